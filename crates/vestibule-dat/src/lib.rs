@@ -1,1 +1,4 @@
 #![doc = "Under construction."]
+
+pub mod primitive;
+pub mod record;

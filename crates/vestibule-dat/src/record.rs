@@ -1,0 +1,41 @@
+//! Records: the contents of the files, one type a file of this module (`dat-format.md` sections 6 and 8 to 10).
+
+mod bsp;
+mod degrade_info;
+mod env_cell;
+mod environment;
+mod error;
+mod gfx_obj;
+mod iteration;
+mod land_block;
+mod land_block_info;
+mod palette;
+mod polygon;
+pub mod region;
+mod render_surface;
+mod scene;
+mod setup;
+mod stab;
+mod surface;
+mod surface_texture;
+mod vertex;
+
+pub use bsp::{BspKind, BspLeafPhysics, BspNode, BspTag, BspTree};
+pub use degrade_info::{Degrade, GfxObjDegradeInfo};
+pub use env_cell::{CellPortal, EnvCell, OtherCell};
+pub use environment::{CellStruct, Environment};
+pub use error::{RecordError, RecordErrorKind};
+pub use gfx_obj::{GfxObj, GfxObjPolygons};
+pub use iteration::{IterationList, IterationRun};
+pub use land_block::LandBlock;
+pub use land_block_info::{Building, BuildingPortal, LandBlockInfo};
+pub use palette::Palette;
+pub use polygon::{Polygon, Sides, find_polygon};
+pub use region::Region;
+pub use render_surface::{PixelFormat, RenderSurface};
+pub use scene::{ObjectDesc, Scene};
+pub use setup::{Hook, Light, Location, PlacementFrame, Setup};
+pub use stab::Stab;
+pub use surface::{Paint, Surface};
+pub use surface_texture::SurfaceTexture;
+pub use vertex::{Vertex, VertexArray};
