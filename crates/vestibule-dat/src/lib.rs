@@ -22,6 +22,7 @@
 
 mod container;
 mod dat_set;
+mod data_id;
 mod error;
 pub mod primitive;
 pub mod record;
@@ -30,4 +31,5 @@ pub use container::{
     DatFile, DatKind, Entries, Entry, Header, ITERATION_ID, IterationRecord, TRANSACTION_CLEAN,
 };
 pub use dat_set::DatSet;
+pub use data_id::RecordKind;
 pub use error::{Error, ErrorKind, Limits, Result};

@@ -12,7 +12,6 @@ use crate::error::{LoadProblem, ProblemKind};
 use crate::frame::Frame;
 use crate::geometry::Sphere;
 use crate::shape::{Model, Shape, ShapePart};
-use crate::source::Store;
 use crate::world::World;
 
 /// Compiled records by id. Only loading looks in here.
@@ -43,13 +42,12 @@ impl World {
     /// Reads and parses a record that `needed_by` refers to; problems are reported and answer `None`.
     pub(crate) fn parse<T>(
         &self,
-        store: Store,
         id: u32,
         needed_by: u32,
         parse: impl FnOnce(u32, &[u8]) -> Result<T, record::RecordError>,
     ) -> Option<T> {
-        let problem = |kind| LoadProblem { file: self.source().file_of(store, id), id, kind };
-        match self.source().record(store, id) {
+        let problem = |kind| LoadProblem { file: self.source().file_of(id), id, kind };
+        match self.source().record(id) {
             Ok(Some(bytes)) => parse(id, &bytes)
                 .map_err(|e| self.report(problem(ProblemKind::Unreadable(e.to_string()))))
                 .ok(),
@@ -67,7 +65,7 @@ impl World {
     /// The model of a GfxObj record (0x01…).
     pub fn model(&self, id: u32, needed_by: u32) -> Option<Arc<Model>> {
         cached(&self.assets.models, id, || {
-            self.parse(Store::Portal, id, needed_by, record::GfxObj::parse).map(|record| compile::model(id, &record))
+            self.parse(id, needed_by, record::GfxObj::parse).map(|record| compile::model(id, &record))
         })
     }
 
@@ -75,7 +73,7 @@ impl World {
     pub fn shape(&self, id: u32, needed_by: u32) -> Option<Arc<Shape>> {
         cached(&self.assets.shapes, id, || match id >> 24 {
             0x01 => Some(self.one_part_shape(id, needed_by)),
-            _ => self.parse(Store::Portal, id, needed_by, record::Setup::parse).map(|setup| self.setup_shape(id, &setup)),
+            _ => self.parse(id, needed_by, record::Setup::parse).map(|setup| self.setup_shape(id, &setup)),
         })
     }
 
@@ -130,11 +128,11 @@ impl World {
     /// A cell structure of an Environment record (0x0D…).
     pub(crate) fn cell_struct(&self, environment: u32, key: u16, cell: u32) -> Option<Arc<CellStruct>> {
         cached(&self.assets.structs, (environment, key), || {
-            let record = self.parse(Store::Portal, environment, cell, record::Environment::parse)?;
+            let record = self.parse(environment, cell, record::Environment::parse)?;
             let found = record.cell_struct(u32::from(key));
             if found.is_none() {
                 let kind = ProblemKind::NoCellStruct { environment, key };
-                self.report(LoadProblem { file: self.source().file_of(Store::Cell, cell), id: cell, kind });
+                self.report(LoadProblem { file: self.source().file_of(cell), id: cell, kind });
             }
             Some(compile::cell_struct(environment, key, found?))
         })

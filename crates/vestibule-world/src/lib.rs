@@ -76,7 +76,7 @@ pub use shadow::{ShadowLists, calc_cross_cells_static, part_bounds};
 pub use shape::{
     Aperture, Building, BuildingPortal, Model, Shape, ShapePart, StaticObject, StaticRef,
 };
-pub use source::{MemoryRecords, RecordSource, SourceError, Store};
+pub use source::{MemoryRecords, RecordSource, SourceError};
 pub use terrain::{LandCell, Split, TerrainPolygon, TerrainWord, Water};
 pub use transit_parts::{PartBounds, find_bbox_cell_list};
 pub use world::{Ground, World, WorldSettings, is_over_block};

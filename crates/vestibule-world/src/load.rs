@@ -12,7 +12,6 @@ use crate::ids::{BlockId, CellId};
 use crate::landblock::{Land, Landblock};
 use crate::region::Region;
 use crate::shape::{Building, BuildingPortal, StaticObject};
-use crate::source::Store;
 use crate::terrain::{TerrainWord, block_water, build_land_cells};
 use crate::world::World;
 
@@ -20,9 +19,9 @@ use crate::world::World;
 pub(crate) fn landblock(world: &World, id: BlockId) -> Option<Landblock> {
     let loader = Loader { world, id };
     let record_id = id.land_block_record();
-    let land_record = match world.source().record(Store::Cell, record_id) {
+    let land_record = match world.source().record(record_id) {
         Ok(None) => None,
-        _ => world.parse(Store::Cell, record_id, record_id, record::LandBlock::parse),
+        _ => world.parse(record_id, record_id, record::LandBlock::parse),
     };
     let has_objects = land_record.as_ref().is_some_and(|r| r.has_objects.is_true());
     let info = if has_objects { loader.info() } else { None };
@@ -67,16 +66,16 @@ struct Loader<'w> {
 
 impl Loader<'_> {
     fn report(&self, id: u32, kind: ProblemKind) {
-        self.world.report(LoadProblem { file: self.world.source().file_of(Store::Cell, id), id, kind });
+        self.world.report(LoadProblem { file: self.world.source().file_of(id), id, kind });
     }
 
     fn info(&self) -> Option<record::LandBlockInfo> {
         let id = self.id.info_record();
-        if let Ok(None) = self.world.source().record(Store::Cell, id) {
+        if let Ok(None) = self.world.source().record(id) {
             self.report(self.id.land_block_record(), ProblemKind::NoInfo);
             return None;
         }
-        self.world.parse(Store::Cell, id, self.id.land_block_record(), record::LandBlockInfo::parse)
+        self.world.parse(id, self.id.land_block_record(), record::LandBlockInfo::parse)
     }
 
     fn land(&self, record: &record::LandBlock) -> Land {
@@ -187,7 +186,7 @@ impl Loader<'_> {
     }
 
     fn env_cell(&self, id: CellId, needed_by: u32, statics: &mut Vec<StaticObject>) -> Option<EnvCell> {
-        let record = self.world.parse(Store::Cell, id.0, needed_by, record::EnvCell::parse)?;
+        let record = self.world.parse(id.0, needed_by, record::EnvCell::parse)?;
         let frame = Frame::from(&record.frame);
         if !frame.is_finite() {
             self.report(id.0, ProblemKind::NotFinite("cell frame"));

@@ -1,7 +1,8 @@
 //! EnvCell, `xxyy0100` to `xxyyFFFD` (`dat-format.md` 9.3).
 
-use super::Stab;
-use crate::primitive::Frame;
+use super::short_id::{ENVIRONMENTS, SURFACES, read_cells, widen_cell, write_cell};
+use super::{DatRecord, RecordError, Stab, inherent_parse_and_encode};
+use crate::primitive::{Frame, Reader, Writer};
 
 /// One indoor cell: a cell structure of an Environment placed in a landblock.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -99,5 +100,110 @@ impl CellPortal {
     /// Position of the matching portal in the neighbour, if there is one.
     pub fn other_portal(&self) -> Option<u16> {
         u16::try_from(self.other_portal_id).ok()
+    }
+}
+
+impl DatRecord for EnvCell {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, RecordError> {
+        let id = reader.u32("id")?;
+        let flags = reader.u32("flags")?;
+        let id_again = reader.u32("id_again")?;
+        let [num_surfaces, num_portals] = reader.array("num_surfaces")?;
+        let num_stabs = usize::from(reader.u16("num_stabs")?);
+        let surfaces = read_cells(reader, usize::from(num_surfaces), SURFACES, "surfaces")?;
+        let environment = widen_cell(reader.u16("environment")?, ENVIRONMENTS);
+        let cell_struct = reader.u16("cell_struct")?;
+        let frame = reader.frame("frame")?;
+        let (words, _) = reader
+            .take(CellPortal::SIZE * usize::from(num_portals), "portals")?
+            .as_chunks();
+        let portals = words
+            .iter()
+            .map(|word| CellPortal::from_bytes(word, id))
+            .collect();
+        let stabs = read_cells(reader, num_stabs, id, "stabs")?;
+        let statics = if flags & Self::HAS_STATICS != 0 {
+            reader.list32(Stab::SIZE, "statics", Stab::read)?
+        } else {
+            Vec::new()
+        };
+        let restriction = if flags & Self::HAS_RESTRICTION != 0 {
+            Some(reader.u32("restriction")?)
+        } else {
+            None
+        };
+        Ok(Self {
+            id,
+            flags,
+            id_again,
+            surfaces,
+            environment,
+            cell_struct,
+            frame,
+            portals,
+            stabs,
+            statics,
+            restriction,
+        })
+    }
+
+    fn write(&self, writer: &mut Writer) -> Result<(), RecordError> {
+        writer.u32(self.id);
+        writer.u32(self.flags);
+        writer.u32(self.id_again);
+        writer.count8(self.surfaces.len(), "num_surfaces")?;
+        writer.count8(self.portals.len(), "num_portals")?;
+        writer.count16(self.stabs.len(), "num_stabs")?;
+        for &surface in &self.surfaces {
+            write_cell(writer, surface, SURFACES, "surfaces")?;
+        }
+        write_cell(writer, self.environment, ENVIRONMENTS, "environment")?;
+        writer.u16(self.cell_struct);
+        writer.frame(&self.frame);
+        for portal in &self.portals {
+            writer.u16s(&[portal.flags, portal.polygon_id]);
+            write_cell(writer, portal.other_cell_id, self.id, "portals.other_cell_id")?;
+            writer.i16(portal.other_portal_id);
+        }
+        for &stab in &self.stabs {
+            write_cell(writer, stab, self.id, "stabs")?;
+        }
+        if self.flags & Self::HAS_STATICS != 0 {
+            writer.count32(self.statics.len(), "statics")?;
+            self.statics.iter().for_each(|object| object.write(writer));
+        } else {
+            writer.require(
+                self.statics.is_empty(),
+                "statics",
+                "static objects without flags bit 1",
+            )?;
+        }
+        let has_restriction = self.flags & Self::HAS_RESTRICTION != 0;
+        let what = "a restriction object exists iff flags bit 3 is set";
+        writer.require(self.restriction.is_some() == has_restriction, "restriction", what)?;
+        if let Some(restriction) = self.restriction {
+            writer.u32(restriction);
+        }
+        Ok(())
+    }
+
+    fn stored_id(&self) -> Option<u32> {
+        Some(self.id)
+    }
+}
+
+inherent_parse_and_encode!(EnvCell);
+
+impl CellPortal {
+    const SIZE: usize = 8;
+
+    #[inline]
+    fn from_bytes(&[f0, f1, p0, p1, c0, c1, o0, o1]: &[u8; Self::SIZE], cell: u32) -> Self {
+        Self {
+            flags: u16::from_le_bytes([f0, f1]),
+            polygon_id: u16::from_le_bytes([p0, p1]),
+            other_cell_id: widen_cell(u16::from_le_bytes([c0, c1]), cell),
+            other_portal_id: i16::from_le_bytes([o0, o1]),
+        }
     }
 }

@@ -2,8 +2,10 @@
 
 use glam::Vec3;
 
-use super::{BspTree, Polygon, VertexArray};
-use crate::primitive::CompressedForm;
+use super::{
+    BspKind, BspTree, DatRecord, Polygon, RecordError, VertexArray, find_polygon, inherent_parse_and_encode,
+};
+use crate::primitive::{CompressedForm, Reader, Writer};
 
 /// A rigid model: vertices, polygons to collide with, polygons to draw.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -54,5 +56,109 @@ impl GfxObj {
         origins.fold((first, first), |(low, high), origin| {
             (low.min(origin), high.max(origin))
         })
+    }
+}
+
+impl DatRecord for GfxObj {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, RecordError> {
+        let id = reader.u32("id")?;
+        let flags = reader.u32("flags")?;
+        let (count, surfaces_form) = reader.count_compressed(4, "surfaces")?;
+        let surfaces = reader.u32s(count, "surfaces")?;
+        let vertices = VertexArray::read(reader)?;
+        let physics = if flags & Self::HAS_PHYSICS != 0 {
+            Some(GfxObjPolygons::read(
+                reader,
+                BspKind::Physics,
+                "physics_polygons",
+            )?)
+        } else {
+            None
+        };
+        let sort_center = reader.vec3("sort_center")?;
+        let drawing = if flags & Self::HAS_DRAWING != 0 {
+            Some(GfxObjPolygons::read(reader, BspKind::Drawing, "polygons")?)
+        } else {
+            None
+        };
+        let degrade_id = if flags & Self::HAS_DEGRADE != 0 {
+            Some(reader.u32("degrade_id")?)
+        } else {
+            None
+        };
+        Ok(Self {
+            id,
+            flags,
+            surfaces,
+            surfaces_form,
+            vertices,
+            physics,
+            sort_center,
+            drawing,
+            degrade_id,
+        })
+    }
+
+    fn write(&self, writer: &mut Writer) -> Result<(), RecordError> {
+        let what = "a part exists iff its bit in flags is set";
+        writer.u32(self.id);
+        writer.u32(self.flags);
+        writer.count_compressed(self.surfaces.len(), self.surfaces_form, "surfaces")?;
+        writer.u32s(&self.surfaces);
+        self.vertices.write(writer)?;
+        writer.require(
+            self.physics.is_some() == (self.flags & Self::HAS_PHYSICS != 0),
+            "physics",
+            what,
+        )?;
+        if let Some(physics) = &self.physics {
+            physics.write(writer, BspKind::Physics, "physics_polygons")?;
+        }
+        writer.vec3(self.sort_center);
+        writer.require(
+            self.drawing.is_some() == (self.flags & Self::HAS_DRAWING != 0),
+            "drawing",
+            what,
+        )?;
+        if let Some(drawing) = &self.drawing {
+            drawing.write(writer, BspKind::Drawing, "polygons")?;
+        }
+        writer.require(
+            self.degrade_id.is_some() == (self.flags & Self::HAS_DEGRADE != 0),
+            "degrade_id",
+            what,
+        )?;
+        if let Some(degrade_id) = self.degrade_id {
+            writer.u32(degrade_id);
+        }
+        Ok(())
+    }
+
+    fn stored_id(&self) -> Option<u32> {
+        Some(self.id)
+    }
+}
+
+inherent_parse_and_encode!(GfxObj);
+
+impl GfxObjPolygons {
+    /// The polygon with this id.
+    pub fn polygon(&self, id: u16) -> Option<&Polygon> {
+        find_polygon(&self.polygons, id)
+    }
+
+    fn read(reader: &mut Reader<'_>, kind: BspKind, field: &'static str) -> Result<Self, RecordError> {
+        let (polygons, form) = Polygon::read_list(reader, field)?;
+        Ok(Self {
+            polygons,
+            form,
+            bsp: BspTree::read(reader, kind)?,
+        })
+    }
+
+    fn write(&self, writer: &mut Writer, kind: BspKind, field: &'static str) -> Result<(), RecordError> {
+        writer.count_compressed(self.polygons.len(), self.form, field)?;
+        Polygon::write_all(&self.polygons, writer)?;
+        self.bsp.write_as(kind, writer)
     }
 }

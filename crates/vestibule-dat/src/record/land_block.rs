@@ -1,6 +1,7 @@
 //! LandBlock, `xxyyFFFF` (`dat-format.md` 9.1).
 
-use crate::primitive::Bool32;
+use super::{DatRecord, RecordError, inherent_parse_and_encode};
+use crate::primitive::{Bool32, Reader, Writer};
 
 /// Terrain of one landblock: a grid of 9 x 9 vertices, 24 m apart.
 ///
@@ -42,3 +43,38 @@ impl LandBlock {
         terrain >> 11
     }
 }
+
+impl DatRecord for LandBlock {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, RecordError> {
+        let id = reader.u32("id")?;
+        let has_objects = reader.bool32("has_objects")?;
+        let mut terrain = [0; 81];
+        let (words, _) = reader.take(2 * 81, "terrain")?.as_chunks();
+        for (vertex, word) in terrain.iter_mut().zip(words) {
+            *vertex = u16::from_le_bytes(*word);
+        }
+        let height = reader.array("height")?;
+        reader.take(1, "padding")?;
+        Ok(Self {
+            id,
+            has_objects,
+            terrain,
+            height,
+        })
+    }
+
+    fn write(&self, writer: &mut Writer) -> Result<(), RecordError> {
+        writer.u32(self.id);
+        writer.bool32(self.has_objects);
+        writer.u16s(&self.terrain);
+        writer.bytes(&self.height);
+        writer.pad(1);
+        Ok(())
+    }
+
+    fn stored_id(&self) -> Option<u32> {
+        Some(self.id)
+    }
+}
+
+inherent_parse_and_encode!(LandBlock);

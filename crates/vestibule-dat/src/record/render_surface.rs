@@ -1,5 +1,8 @@
 //! RenderSurface, `06......` and `07......` (`dat-format.md` 10.7).
 
+use super::{DatRecord, RecordError, inherent_parse_and_encode};
+use crate::primitive::{Reader, Writer};
+
 /// The pixels of a texture, undecoded. Rows run from top to bottom without padding (X12).
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct RenderSurface {
@@ -99,4 +102,59 @@ impl RenderSurface {
     pub fn pixel_format(&self) -> Option<PixelFormat> {
         PixelFormat::of(self.format)
     }
+}
+
+impl DatRecord for RenderSurface {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, RecordError> {
+        let id = reader.u32("id")?;
+        let data_category = reader.u32("data_category")?;
+        let width = reader.i32("width")?;
+        let height = reader.i32("height")?;
+        let format = reader.u32("format")?;
+        let length = reader.count_i32(1, "length")?;
+        let pixels = reader.take(length, "pixels")?.to_vec();
+        let palette = if ends_with_palette(format) {
+            Some(reader.u32("palette")?)
+        } else {
+            None
+        };
+        Ok(Self {
+            id,
+            data_category,
+            width,
+            height,
+            format,
+            pixels,
+            palette,
+        })
+    }
+
+    fn write(&self, writer: &mut Writer) -> Result<(), RecordError> {
+        writer.u32s(&[self.id, self.data_category]);
+        writer.i32(self.width);
+        writer.i32(self.height);
+        writer.u32(self.format);
+        writer.count_i32(self.pixels.len(), "length")?;
+        writer.bytes(&self.pixels);
+        let what = "a palette exists iff the format is P8 or INDEX16";
+        writer.require(
+            self.palette.is_some() == ends_with_palette(self.format),
+            "palette",
+            what,
+        )?;
+        if let Some(palette) = self.palette {
+            writer.u32(palette);
+        }
+        Ok(())
+    }
+
+    fn stored_id(&self) -> Option<u32> {
+        Some(self.id)
+    }
+}
+
+inherent_parse_and_encode!(RenderSurface);
+
+fn ends_with_palette(format: u32) -> bool {
+    PixelFormat::of(format).is_some_and(PixelFormat::is_paletted)
 }

@@ -1,6 +1,7 @@
 //! Scene, `12......` (`dat-format.md` 10.9).
 
-use crate::primitive::Frame;
+use super::{DatRecord, RecordError, inherent_parse_and_encode};
+use crate::primitive::{Frame, Reader, Writer};
 
 /// Scenery that terrain of one kind may grow.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -40,4 +41,63 @@ pub struct ObjectDesc {
     pub orient: u32,
     /// Non-zero: stands for an object of the server; not drawn.
     pub weenie_obj: u32,
+}
+
+impl DatRecord for Scene {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, RecordError> {
+        let id = reader.u32("id")?;
+        let objects = reader.list32(ObjectDesc::SIZE, "objects", ObjectDesc::read)?;
+        Ok(Self { id, objects })
+    }
+
+    fn write(&self, writer: &mut Writer) -> Result<(), RecordError> {
+        writer.u32(self.id);
+        writer.count32(self.objects.len(), "objects")?;
+        self.objects.iter().for_each(|object| object.write(writer));
+        Ok(())
+    }
+
+    fn stored_id(&self) -> Option<u32> {
+        Some(self.id)
+    }
+}
+
+inherent_parse_and_encode!(Scene);
+
+impl ObjectDesc {
+    const SIZE: usize = 76;
+
+    fn read(reader: &mut Reader<'_>) -> Result<Self, RecordError> {
+        Ok(Self {
+            object_id: reader.u32("object.object_id")?,
+            base_loc: reader.frame("object.base_loc")?,
+            frequency: reader.f32("object.frequency")?,
+            displace_x: reader.f32("object.displace_x")?,
+            displace_y: reader.f32("object.displace_y")?,
+            min_scale: reader.f32("object.min_scale")?,
+            max_scale: reader.f32("object.max_scale")?,
+            max_rotation: reader.f32("object.max_rotation")?,
+            min_slope: reader.f32("object.min_slope")?,
+            max_slope: reader.f32("object.max_slope")?,
+            align: reader.u32("object.align")?,
+            orient: reader.u32("object.orient")?,
+            weenie_obj: reader.u32("object.weenie_obj")?,
+        })
+    }
+
+    fn write(&self, writer: &mut Writer) {
+        writer.u32(self.object_id);
+        writer.frame(&self.base_loc);
+        writer.f32s(&[
+            self.frequency,
+            self.displace_x,
+            self.displace_y,
+            self.min_scale,
+            self.max_scale,
+            self.max_rotation,
+            self.min_slope,
+            self.max_slope,
+        ]);
+        writer.u32s(&[self.align, self.orient, self.weenie_obj]);
+    }
 }

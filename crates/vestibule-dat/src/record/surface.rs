@@ -1,6 +1,7 @@
 //! Surface, `08......` (`dat-format.md` 10.5).
 
-use crate::primitive::Argb;
+use super::{DatRecord, RecordError, inherent_parse_and_encode};
+use crate::primitive::{Argb, Reader, Writer};
 
 /// How a polygon is painted. The record holds no id.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,3 +48,50 @@ impl Surface {
     pub const STIPPLED: u32 = 0x4000_0000;
     pub const PERSPECTIVE: u32 = 0x8000_0000;
 }
+
+impl Surface {
+    /// Whether it is painted with an image.
+    pub fn is_image(surface_type: u32) -> bool {
+        surface_type & (Self::IMAGE | Self::CLIP_MAP) != 0
+    }
+}
+
+impl DatRecord for Surface {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, RecordError> {
+        let surface_type = reader.u32("surface_type")?;
+        let paint = if Self::is_image(surface_type) {
+            Paint::Image {
+                texture: reader.u32("texture")?,
+                palette: reader.u32("palette")?,
+            }
+        } else {
+            Paint::Color(reader.argb("color")?)
+        };
+        Ok(Self {
+            surface_type,
+            paint,
+            translucency: reader.f32("translucency")?,
+            luminosity: reader.f32("luminosity")?,
+            diffuse: reader.f32("diffuse")?,
+        })
+    }
+
+    fn write(&self, writer: &mut Writer) -> Result<(), RecordError> {
+        writer.u32(self.surface_type);
+        let image = matches!(self.paint, Paint::Image { .. });
+        let what = "a surface is painted with an image iff its type says so";
+        writer.require(image == Self::is_image(self.surface_type), "surface_type", what)?;
+        match self.paint {
+            Paint::Image { texture, palette } => writer.u32s(&[texture, palette]),
+            Paint::Color(color) => writer.argb(color),
+        }
+        writer.f32s(&[self.translucency, self.luminosity, self.diffuse]);
+        Ok(())
+    }
+
+    fn stored_id(&self) -> Option<u32> {
+        None
+    }
+}
+
+inherent_parse_and_encode!(Surface);
