@@ -211,15 +211,12 @@ impl Loader<'_> {
         // Ids run without gaps from 0x0100 (`world.md` 1); a larger count than there are ids is damage.
         let count = info.num_cells.min(0xFFFD - 0x0100 + 1) as u16;
         let mut out = Vec::new();
-        let mut missing = 0u32;
         for low in 0x0100..0x0100 + count {
-            let cell = self.env_cell(CellId::new(self.id, low), info.id, statics);
-            missing = if cell.is_some() { 0 } else { missing + 1 };
-            out.push(cell);
-            // A damaged count must not make us look up tens of thousands of absent records.
-            if missing > MAX_MISSING_CELLS {
-                break;
-            }
+            out.push(self.env_cell(CellId::new(self.id, low), info.id, statics));
+        }
+        // A damaged count leaves a tail of absent cells that nothing needs to remember.
+        while let Some(None) = out.last() {
+            out.pop();
         }
         out.into()
     }
@@ -303,6 +300,3 @@ impl Loader<'_> {
         }
     }
 }
-
-/// Env cells are numbered without gaps; after this many absent records in a row the count is taken for damage.
-const MAX_MISSING_CELLS: u32 = 64;
