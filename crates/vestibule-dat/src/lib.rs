@@ -25,7 +25,8 @@ mod dat_set;
 mod error;
 
 pub use container::{
-    DatFile, DatKind, Entries, Entry, Header, ITERATION_ID, IterationRecord, TRANSACTION_CLEAN,
+    DatBuilder, DatFile, DatKind, Entries, Entry, FileStorage, Header, ITERATION_ID, IterationRecord,
+    NewFile, Storage, TRANSACTION_CLEAN, VerifyReport, WriteOptions, compact,
 };
 pub use dat_set::DatSet;
 pub use error::{Error, ErrorKind, Limits, Result};
