@@ -25,8 +25,8 @@ mod dat_set;
 mod error;
 
 pub use container::{
-    DatBuilder, DatFile, DatKind, Entries, Entry, FileStorage, Header, ITERATION_ID, IterationRecord,
-    NewFile, Storage, TRANSACTION_CLEAN, VerifyReport, WriteOptions, compact,
+    CloseReport, DatBuilder, DatEditor, DatFile, DatKind, EditOptions, Entries, Entry, FileStorage, Header,
+    ITERATION_ID, IterationRecord, NewFile, Storage, TRANSACTION_CLEAN, VerifyReport, WriteOptions, compact,
 };
 pub use dat_set::DatSet;
 pub use error::{Error, ErrorKind, Limits, Result};

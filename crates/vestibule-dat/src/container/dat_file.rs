@@ -6,7 +6,7 @@ use super::entries::Entries;
 use super::header::{DatKind, HEADER_SIZE, Header};
 use super::iteration::{ITERATION_ID, IterationRecord};
 use super::node::{ALL_IDS, Entry, Found, Node};
-use crate::error::{Error, ErrorKind, Fault, Limits, Result};
+use crate::error::{ErrorKind, Fault, Limits, Result};
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -83,7 +83,7 @@ impl View {
             let node = Node::read(&bytes, g, at, depth, &interval)?;
             match node.search(id) {
                 Found::Here(i) => return Ok(Some(node.entry(i))),
-                Found::Nowhere(_) => return Ok(None),
+                Found::Nowhere => return Ok(None),
                 Found::Below(i) => {
                     interval = node.child_interval(i, &interval);
                     at = node.branch(i);
