@@ -23,6 +23,8 @@ mod degrade_info;
 mod env_cell;
 mod environment;
 mod error;
+#[cfg(test)]
+mod examples;
 mod gfx_obj;
 mod iteration;
 mod land_block;
