@@ -101,6 +101,8 @@ impl PhysicsBsp {
     #[inline]
     pub fn polygons_of(&self, leaf: &PhysicsLeaf) -> &[u32] {
         let first = leaf.first as usize;
-        self.leaf_polygons.get(first..first + leaf.count as usize).unwrap_or(&[])
+        self.leaf_polygons
+            .get(first..first + leaf.count as usize)
+            .unwrap_or(&[])
     }
 }
