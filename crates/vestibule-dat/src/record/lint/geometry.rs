@@ -74,7 +74,11 @@ impl Lints {
                 place.insert(vertex);
             } else {
                 let field = format_args!("{at}vertices[{i}].id");
-                self.add("G1", field, format_args!("{} is the id of two vertices", vertex.id));
+                self.add(
+                    "G1",
+                    field,
+                    format_args!("{} is the id of two vertices", vertex.id),
+                );
             }
         }
         vertices
