@@ -526,7 +526,7 @@ mod tests {
         /// Takes everything and keeps nothing.
         struct Sink;
         impl Storage for Sink {
-            fn len(&self) -> std::io::Result<u64> {
+            fn size(&self) -> std::io::Result<u64> {
                 Ok(0)
             }
             fn read_at(&self, _: u64, _: &mut [u8]) -> std::io::Result<()> {
@@ -535,7 +535,7 @@ mod tests {
             fn write_at(&mut self, _: u64, _: &[u8]) -> std::io::Result<()> {
                 Ok(())
             }
-            fn set_len(&mut self, _: u64) -> std::io::Result<()> {
+            fn set_size(&mut self, _: u64) -> std::io::Result<()> {
                 Ok(())
             }
             fn sync(&mut self) -> std::io::Result<()> {

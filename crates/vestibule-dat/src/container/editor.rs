@@ -576,7 +576,7 @@ impl<S: Storage> DatEditor<S> {
 /// Reads the header and cuts off the uncommitted tail (W3).
 fn open_header<S: Storage>(storage: &mut S) -> Result<Header, Fault> {
     let io = |e: std::io::Error| Fault::new("header", e.into());
-    let len = storage.len().map_err(io)?;
+    let len = storage.size().map_err(io)?;
     if len < HEADER_SIZE as u64 {
         return Err(Fault::new(
             "header",
@@ -597,7 +597,7 @@ fn open_header<S: Storage>(storage: &mut S) -> Result<Header, Fault> {
         ));
     }
     if len > u64::from(header.file_size) {
-        storage.set_len(u64::from(header.file_size)).map_err(io)?;
+        storage.set_size(u64::from(header.file_size)).map_err(io)?;
     }
     Ok(header)
 }
