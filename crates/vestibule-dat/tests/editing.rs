@@ -162,7 +162,8 @@ fn r4_a_broken_free_list_is_rebuilt_before_it_is_used() {
     });
     let expected = contents(&open(&bytes));
     let live = open(&bytes).find(0x0100_0110).unwrap().unwrap().offset;
-    let breaks: [&dyn Fn(&mut Vec<u8>); 4] = [
+    type Break<'a> = &'a dyn Fn(&mut Vec<u8>);
+    let breaks: [Break<'_>; 4] = [
         &|b| set_word(b, 0x154, live),
         &|b| set_word(b, 0x15C, 5),
         &|b| {
