@@ -221,6 +221,25 @@ fn r4_nothing_is_freed_while_the_tree_is_damaged() {
 }
 
 #[test]
+fn a_block_that_another_record_uses_is_never_freed() {
+    // Record 6 shares the blocks of record 5 from its second on.
+    let mut bytes = cell_file(50);
+    let dat = open(&bytes);
+    let at = |id| dat.find(id).unwrap().unwrap().offset as usize;
+    let (five, six) = (at(0x0100_0105), at(0x0100_0106));
+    let second = word(&bytes, five);
+    set_word(&mut bytes, six, second);
+    let expected = open(&bytes).get(0x0100_0106).unwrap().unwrap().into_owned();
+    let bytes = edited(bytes, |dat| {
+        dat.put(0x0100_0105, b"x", &PLAIN).unwrap();
+    });
+    assert_eq!(open(&bytes).get(0x0100_0106).unwrap().unwrap(), expected);
+    assert!(open(&bytes).verify().is_clean());
+    let bytes = edited(bytes, |dat| assert!(dat.delete(0x0100_0106).unwrap()));
+    assert!(open(&bytes).verify().is_clean());
+}
+
+#[test]
 fn section_5_5_an_interrupted_transaction_is_cleared_before_the_first_commit() {
     let mut bytes = cell_file(10);
     bytes[0x104] = 3;
