@@ -275,9 +275,11 @@ impl<S: Storage> DatEditor<S> {
             bytes: &Window::small(&self.storage),
             geometry: Geometry::of(&self.header),
         };
-        self.tree
-            .put(&from, entry)
-            .map_err(|fault| fault.named(&self.name, Some(id)))?;
+        let done = match old {
+            Some(_) => self.tree.replace(&from, entry),
+            None => self.tree.insert(&from, entry),
+        };
+        done.map_err(|fault| fault.named(&self.name, Some(id)))?;
         self.forget(id, old);
         self.pending.insert(id, stored);
         if id == ITERATION_ID {

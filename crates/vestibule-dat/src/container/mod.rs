@@ -8,6 +8,7 @@ mod editor;
 mod entries;
 mod free_list;
 mod header;
+mod index;
 mod iteration;
 #[cfg(feature = "mmap")]
 mod map;

@@ -94,22 +94,8 @@ impl Tree {
         }
     }
 
-    /// Overwrites the entry of an id that is there, or inserts it (5.2). Gives the entry that was there.
-    pub(crate) fn put<R: ReadAt>(
-        &mut self,
-        from: &Origin<'_, R>,
-        entry: Entry,
-    ) -> Result<Option<Entry>, Fault> {
-        if let Some(old) = self.find(from, entry.id)? {
-            self.replace(from, entry)?;
-            return Ok(Some(old));
-        }
-        self.insert(from, entry)?;
-        Ok(None)
-    }
-
-    /// 5.2.4: the shape stays.
-    fn replace<R: ReadAt>(&mut self, from: &Origin<'_, R>, entry: Entry) -> Result<(), Fault> {
+    /// Overwrites the entry of an id that is there (5.2.4): the shape stays.
+    pub(crate) fn replace<R: ReadAt>(&mut self, from: &Origin<'_, R>, entry: Entry) -> Result<(), Fault> {
         let Some(mut at) = self.enter_root(from)? else {
             return Ok(());
         };
@@ -126,8 +112,8 @@ impl Tree {
         }
     }
 
-    /// 5.2.1 to 5.2.3: full nodes are split on the way down.
-    fn insert<R: ReadAt>(&mut self, from: &Origin<'_, R>, entry: Entry) -> Result<(), Fault> {
+    /// Inserts the entry of an id that is not there (5.2.1 to 5.2.3): full nodes are split on the way down.
+    pub(crate) fn insert<R: ReadAt>(&mut self, from: &Origin<'_, R>, entry: Entry) -> Result<(), Fault> {
         let mut at = match self.enter_root(from)? {
             Some(at) => at,
             None => {
@@ -519,6 +505,17 @@ mod tests {
             size: id,
             date: 0,
             iteration: 1,
+        }
+    }
+
+    impl Tree {
+        fn put(&mut self, from: &Origin<'_, &[u8]>, entry: Entry) -> Result<Option<Entry>, Fault> {
+            let old = self.find(from, entry.id)?;
+            match old {
+                Some(_) => self.replace(from, entry)?,
+                None => self.insert(from, entry)?,
+            }
+            Ok(old)
         }
     }
 
