@@ -82,7 +82,14 @@ pub fn find_cell_list_of_cylspheres(
     for (sphere, cyl) in spheres.iter_mut().zip(cylspheres) {
         *sphere = Sphere::new(position.frame.local_to_global(cyl.low_point), cyl.radius);
     }
-    find_cell_list(world, position.cell, position.origin(), &spheres[..count], array, false)
+    find_cell_list(
+        world,
+        position.cell,
+        position.origin(),
+        &spheres[..count],
+        array,
+        false,
+    )
 }
 
 /// First containing env cell, else last containing land cell, in array order (`world.md` 13.4b).

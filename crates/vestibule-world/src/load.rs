@@ -12,6 +12,7 @@ use crate::ids::{BlockId, CellId};
 use crate::landblock::{Land, Landblock};
 use crate::region::Region;
 use crate::shape::{Building, BuildingPortal, StaticObject};
+use crate::source::Store;
 use crate::terrain::{TerrainWord, block_water, build_land_cells};
 use crate::world::World;
 
@@ -19,14 +20,17 @@ use crate::world::World;
 pub(crate) fn landblock(world: &World, id: BlockId) -> Option<Landblock> {
     let loader = Loader { world, id };
     let record_id = id.land_block_record();
-    let land_record = match world.source().record(record_id) {
+    let land_record = match world.source().record(Store::Cell, record_id) {
         Ok(None) => None,
-        _ => world.parse(record_id, record_id, record::LandBlock::parse),
+        _ => world.parse(Store::Cell, record_id, record_id, record::LandBlock::parse),
     };
     let has_objects = land_record.as_ref().is_some_and(|r| r.has_objects.is_true());
     let info = if has_objects { loader.info() } else { None };
     let mut land = land_record.map(|r| loader.land(&r));
-    let buildings = info.as_ref().map(|i| loader.buildings(i, land.as_mut())).unwrap_or_default();
+    let buildings = info
+        .as_ref()
+        .map(|i| loader.buildings(i, land.as_mut()))
+        .unwrap_or_default();
     let mut statics = info.as_ref().map(|i| loader.land_statics(i)).unwrap_or_default();
     let land_statics = statics.len() as u32;
     let env_cells: Box<[_]> = match &info {
@@ -66,16 +70,25 @@ struct Loader<'w> {
 
 impl Loader<'_> {
     fn report(&self, id: u32, kind: ProblemKind) {
-        self.world.report(LoadProblem { file: self.world.source().file_of(id), id, kind });
+        self.world.report(LoadProblem {
+            file: self.world.source().file_of(Store::Cell, id),
+            id,
+            kind,
+        });
     }
 
     fn info(&self) -> Option<record::LandBlockInfo> {
         let id = self.id.info_record();
-        if let Ok(None) = self.world.source().record(id) {
+        if let Ok(None) = self.world.source().record(Store::Cell, id) {
             self.report(self.id.land_block_record(), ProblemKind::NoInfo);
             return None;
         }
-        self.world.parse(id, self.id.land_block_record(), record::LandBlockInfo::parse)
+        self.world.parse(
+            Store::Cell,
+            id,
+            self.id.land_block_record(),
+            record::LandBlockInfo::parse,
+        )
     }
 
     fn land(&self, record: &record::LandBlock) -> Land {
@@ -86,8 +99,14 @@ impl Loader<'_> {
         }
         let words = Box::new(record.terrain.map(TerrainWord));
         let cells = build_land_cells(self.id.corner(), &heights, &words);
-        let lowest = heights.iter().copied().fold(f32::INFINITY, |a, b| if b < a { b } else { a });
-        let highest = heights.iter().copied().fold(f32::NEG_INFINITY, |a, b| if b > a { b } else { a });
+        let lowest = heights
+            .iter()
+            .copied()
+            .fold(f32::INFINITY, |a, b| if b < a { b } else { a });
+        let highest = heights
+            .iter()
+            .copied()
+            .fold(f32::NEG_INFINITY, |a, b| if b > a { b } else { a });
         Land {
             water: block_water(&cells),
             cells: cells.into(),
@@ -112,14 +131,23 @@ impl Loader<'_> {
                 continue;
             }
             let Some(cell) = self.land_cell_of(frame.origin) else {
-                let kind = ProblemKind::OutsideBlock { what: "building", index, block: self.id };
+                let kind = ProblemKind::OutsideBlock {
+                    what: "building",
+                    index,
+                    block: self.id,
+                };
                 self.report(info.id, kind);
                 continue;
             };
-            let Some(shape) = self.world.shape(record.model_id, info.id) else { continue };
-            let Ok(position) = u16::try_from(out.len()) else { break };
-            if let Some(land_cell) =
-                land.as_mut().and_then(|land| land.cells.get_mut(usize::from(cell.low()) - 1))
+            let Some(shape) = self.world.shape(record.model_id, info.id) else {
+                continue;
+            };
+            let Ok(position) = u16::try_from(out.len()) else {
+                break;
+            };
+            if let Some(land_cell) = land
+                .as_mut()
+                .and_then(|land| land.cells.get_mut(usize::from(cell.low()) - 1))
             {
                 if land_cell.building.is_some() {
                     self.report(info.id, ProblemKind::SecondBuilding { index, cell: cell.0 });
@@ -129,7 +157,14 @@ impl Loader<'_> {
             }
             let portals = record.portals.iter().map(|p| self.building_portal(p)).collect();
             let part_frames = shape.parts.iter().map(|p| frame.combine(&p.frame)).collect();
-            out.push(Building { model_id: record.model_id, shape, frame, part_frames, cell, portals });
+            out.push(Building {
+                model_id: record.model_id,
+                shape,
+                frame,
+                part_frames,
+                cell,
+                portals,
+            });
         }
         out
     }
@@ -153,7 +188,11 @@ impl Loader<'_> {
                 continue;
             }
             let Some(cell) = self.land_cell_of(frame.origin) else {
-                let kind = ProblemKind::OutsideBlock { what: "static object", index, block: self.id };
+                let kind = ProblemKind::OutsideBlock {
+                    what: "static object",
+                    index,
+                    block: self.id,
+                };
                 self.report(info.id, kind);
                 continue;
             };
@@ -186,17 +225,24 @@ impl Loader<'_> {
     }
 
     fn env_cell(&self, id: CellId, needed_by: u32, statics: &mut Vec<StaticObject>) -> Option<EnvCell> {
-        let record = self.world.parse(id.0, needed_by, record::EnvCell::parse)?;
+        let record = self
+            .world
+            .parse(Store::Cell, id.0, needed_by, record::EnvCell::parse)?;
         let frame = Frame::from(&record.frame);
         if !frame.is_finite() {
             self.report(id.0, ProblemKind::NotFinite("cell frame"));
             return None;
         }
-        let structure = self.world.cell_struct(record.environment, record.cell_struct, id.0)?;
+        let structure = self
+            .world
+            .cell_struct(record.environment, record.cell_struct, id.0)?;
         let mut portals = Vec::with_capacity(record.portals.len());
         for (index, portal) in (0u16..).zip(&record.portals) {
             let Some(polygon) = structure.polygons.index_of(portal.polygon_id) else {
-                let kind = ProblemKind::NoPortalPolygon { portal: index, polygon: portal.polygon_id };
+                let kind = ProblemKind::NoPortalPolygon {
+                    portal: index,
+                    polygon: portal.polygon_id,
+                };
                 self.report(id.0, kind);
                 continue;
             };
@@ -207,7 +253,11 @@ impl Loader<'_> {
                 },
                 other_portal: portal.other_portal(),
                 polygon: polygon as u32,
-                plane: structure.polygons.get(polygon).map(|p| p.plane).unwrap_or_default(),
+                plane: structure
+                    .polygons
+                    .get(polygon)
+                    .map(|p| p.plane)
+                    .unwrap_or_default(),
                 interior_is_negative: portal.portal_side() == 1,
                 exact_match: portal.exact_match(),
                 record_index: index,
@@ -241,7 +291,11 @@ impl Loader<'_> {
             for (portal, p) in (0u16..).zip(&b.portals) {
                 if let (Some(index), Some(cell)) = (p.other_portal, block.env_cell(p.other)) {
                     if cell.portal(index).is_none() {
-                        let kind = ProblemKind::NoOppositePortal { building, portal, cell: p.other.0 };
+                        let kind = ProblemKind::NoOppositePortal {
+                            building,
+                            portal,
+                            cell: p.other.0,
+                        };
                         self.report(self.id.info_record(), kind);
                     }
                 }

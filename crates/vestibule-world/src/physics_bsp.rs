@@ -128,11 +128,19 @@ impl PhysicsBsp {
             let vertices = polygon.as_ref().map_or(&[][..], |p| polygons.vertices(p));
             let mut start = vertices.last().copied().unwrap_or_default();
             for &end in vertices {
-                edges.push(FaceEdge { start, inward: plane.normal.cross(end - start) });
+                edges.push(FaceEdge {
+                    start,
+                    inward: plane.normal.cross(end - start),
+                });
                 start = end;
             }
             let edge_count = edges.len() as u32 - first_edge;
-            faces.push(Face { plane, first_edge, edge_count, polygon: index });
+            faces.push(Face {
+                plane,
+                first_edge,
+                edge_count,
+                polygon: index,
+            });
         }
         PhysicsBsp {
             root,
@@ -173,7 +181,9 @@ impl PhysicsBsp {
     #[inline]
     pub fn edges(&self, face: &Face) -> &[FaceEdge] {
         let first = face.first_edge as usize;
-        self.edges.get(first..first + face.edge_count as usize).unwrap_or(&[])
+        self.edges
+            .get(first..first + face.edge_count as usize)
+            .unwrap_or(&[])
     }
 
     /// The polygons, owner-local coordinates.
@@ -200,11 +210,19 @@ mod tests {
         let mut set = PolygonSet::default();
         let square = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
         assert!(set.push(7, false, &square));
-        let leaf = PhysicsLeaf { solid: false, sphere: Sphere::new(Vec3::ONE, 2.0), first: 0, count: 1 };
+        let leaf = PhysicsLeaf {
+            solid: false,
+            sphere: Sphere::new(Vec3::ONE, 2.0),
+            first: 0,
+            count: 1,
+        };
         let bsp = PhysicsBsp::new(Child::leaf(0), vec![], vec![leaf], &[0], set);
         let face = bsp.faces_of(&bsp.leaves()[0])[0];
         let edges = bsp.edges(&face);
-        assert_eq!(edges.iter().map(|e| e.start).collect::<Vec<_>>(), [square[3], square[0], square[1], square[2]]);
+        assert_eq!(
+            edges.iter().map(|e| e.start).collect::<Vec<_>>(),
+            [square[3], square[0], square[1], square[2]]
+        );
         for edge in edges {
             assert!((Vec3::new(1.0, 1.0, 0.0) - edge.start).dot(edge.inward) > 0.0);
         }

@@ -3,7 +3,7 @@
 use vestibule_dat::record;
 
 use crate::error::WorldError;
-use crate::source::RecordSource;
+use crate::source::{RecordSource, Store};
 
 /// Id of the one Region record.
 pub const REGION_RECORD: u32 = 0x1300_0000;
@@ -26,12 +26,15 @@ impl Region {
     /// When it is missing or damaged: no terrain height would then be known.
     pub fn read(source: &dyn RecordSource) -> Result<Self, WorldError> {
         let fail = |reason: String| WorldError::Region {
-            file: source.file_of(REGION_RECORD),
+            file: source.file_of(Store::Portal, REGION_RECORD),
             id: REGION_RECORD,
             reason,
         };
-        let bytes = source.record(REGION_RECORD).map_err(|e| fail(e.to_string()))?;
-        let bytes = bytes.ok_or_else(|| fail("not found; a world needs it for the height table".to_owned()))?;
+        let bytes = source
+            .record(Store::Portal, REGION_RECORD)
+            .map_err(|e| fail(e.to_string()))?;
+        let bytes =
+            bytes.ok_or_else(|| fail("not found; a world needs it for the height table".to_owned()))?;
         let region = record::Region::parse(REGION_RECORD, &bytes).map_err(|e| fail(e.to_string()))?;
         let defs = region.land_defs;
         Ok(Region {
