@@ -7,7 +7,8 @@ use crate::camera::Camera;
 use crate::constants::{EPSILON, ON_PLANE_MARGIN};
 use crate::flood::{FloodArena, FloodCounters};
 use crate::openings::{BlockOpenings, Door, House, Target};
-use crate::pview::{PView, Start, fill_normals, is_in_grown_polygon, push_rays};
+use crate::pview::clip::{fill_normals, is_in_grown_polygon, push_rays};
+use crate::pview::{PView, Start};
 use crate::view::{Edge, Region};
 
 /// One door of a building seen through one view of the landscape: the hole to punch into the depth buffer and what
@@ -206,7 +207,8 @@ impl PView {
     ) -> bool {
         let mut rays = core::mem::take(self.door_rays());
         rays.clear();
-        push_rays(&mut rays, vertices, eye, negative);
+        let ahead = (!self.settings().admit_on_plane).then(|| camera.forward());
+        push_rays(&mut rays, vertices, eye, negative, ahead);
         fill_normals(&mut rays);
         let seen = self.clip_start(&rays, view.edges(), camera);
         *self.door_rays() = rays;

@@ -195,8 +195,6 @@ impl BlockOpenings {
             for (index, portal) in (0u16..).zip(&room.portals) {
                 let plane = Plane::of_polygon(&portal.vertices);
                 out.add_portal(PortalInput {
-                    target: portal.target,
-                    other_portal: portal.other_portal,
                     plane,
                     interior_is_negative: portal.interior_is_negative,
                     exact_match: portal.exact_match,
@@ -314,8 +312,6 @@ impl BlockOpenings {
         );
         for portal in &cell.portals {
             self.add_portal(PortalInput {
-                target: portal.other,
-                other_portal: portal.other_portal,
                 plane: portal.plane,
                 interior_is_negative: portal.interior_is_negative,
                 exact_match: portal.exact_match,
@@ -463,8 +459,6 @@ impl BlockOpenings {
 }
 
 struct PortalInput<'a> {
-    target: PortalTarget,
-    other_portal: Option<u16>,
     plane: Plane,
     interior_is_negative: bool,
     exact_match: bool,
