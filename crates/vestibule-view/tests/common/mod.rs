@@ -1,6 +1,8 @@
 //! Worlds of box rooms made on the spot, as in `visibility.md` 16.
 #![allow(dead_code, unreachable_pub, reason = "each test file uses its own part")]
 
+pub mod maze;
+
 use std::collections::BTreeMap;
 
 use glam::{Vec2, Vec3};
