@@ -1,17 +1,34 @@
 //! The subcommands, one a file.
 
 mod conform;
+mod dat;
+mod id;
+mod inspect;
+mod ls;
+mod refs;
+mod wheres;
 
 use crate::ui::Context;
 
 #[derive(clap::Subcommand)]
 pub(crate) enum Command {
+    Where(wheres::Args),
+    Inspect(inspect::Args),
+    Ls(ls::Args),
+    Refs(refs::Args),
+    #[command(subcommand)]
+    Dat(dat::Command),
     Conform(conform::Args),
 }
 
 impl Command {
     pub(crate) fn run(&self, context: &mut Context) -> anyhow::Result<()> {
         match self {
+            Command::Where(args) => wheres::run(args, context),
+            Command::Inspect(args) => inspect::run(args, context),
+            Command::Ls(args) => ls::run(args, context),
+            Command::Refs(args) => refs::run(args, context),
+            Command::Dat(command) => command.run(context),
             Command::Conform(args) => conform::run(args, context),
         }
     }
