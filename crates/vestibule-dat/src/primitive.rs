@@ -222,6 +222,16 @@ pub struct KnownTypeId {
     pub long_form: bool,
 }
 
+impl KnownTypeId {
+    /// An id in the spelling that retail's writers give it: the long form from offset 0x4000 up.
+    pub fn new(id: u32, base: u32) -> Self {
+        Self {
+            id,
+            long_form: id.wrapping_sub(base) >= 0x4000,
+        }
+    }
+}
+
 /// The header of a packed hash table (P8): what is kept beside its entries.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

@@ -40,10 +40,11 @@ pub(crate) fn landblock(world: &World, id: BlockId) -> Option<Landblock> {
     if let (Some(info), Some(land)) = (&info, &mut land) {
         for &(cell, object) in info.restrictions.iter().flat_map(|t| &t.entries) {
             let cell = CellId(cell);
-            if cell.block() == id && cell.is_land_cell() {
-                if let Some(cell) = land.cells.get_mut(usize::from(cell.low()) - 1) {
-                    cell.restriction = Some(object);
-                }
+            if cell.block() == id
+                && cell.is_land_cell()
+                && let Some(cell) = land.cells.get_mut(usize::from(cell.low()) - 1)
+            {
+                cell.restriction = Some(object);
             }
         }
     }
@@ -286,15 +287,15 @@ impl Loader<'_> {
     fn check_building_portals(&self, block: &Landblock) {
         for (building, b) in (0u16..).zip(&block.buildings) {
             for (portal, p) in (0u16..).zip(&b.portals) {
-                if let (Some(index), Some(cell)) = (p.other_portal, block.env_cell(p.other)) {
-                    if cell.portal(index).is_none() {
-                        let kind = ProblemKind::NoOppositePortal {
-                            building,
-                            portal,
-                            cell: p.other.0,
-                        };
-                        self.report(self.id.info_record(), kind);
-                    }
+                if let (Some(index), Some(cell)) = (p.other_portal, block.env_cell(p.other))
+                    && cell.portal(index).is_none()
+                {
+                    let kind = ProblemKind::NoOppositePortal {
+                        building,
+                        portal,
+                        cell: p.other.0,
+                    };
+                    self.report(self.id.info_record(), kind);
                 }
             }
         }

@@ -6,7 +6,7 @@ use super::entries::Entries;
 use super::header::{DatKind, HEADER_SIZE, Header};
 use super::iteration::{ITERATION_ID, IterationRecord};
 use super::node::{ALL_IDS, Entry, Found, Node};
-use crate::error::{Error, ErrorKind, Fault, Limits, Result};
+use crate::error::{ErrorKind, Fault, Limits, Result};
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -83,7 +83,7 @@ impl View {
             let node = Node::read(&bytes, g, at, depth, &interval)?;
             match node.search(id) {
                 Found::Here(i) => return Ok(Some(node.entry(i))),
-                Found::Nowhere(_) => return Ok(None),
+                Found::Nowhere => return Ok(None),
                 Found::Below(i) => {
                     interval = node.child_interval(i, &interval);
                     at = node.branch(i);
@@ -94,7 +94,7 @@ impl View {
     }
 
     /// The bytes of a record as stored, borrowed when one block holds them all.
-    fn stored(&self, entry: &Entry) -> Result<Cow<'_, [u8]>, Fault> {
+    pub(crate) fn stored(&self, entry: &Entry) -> Result<Cow<'_, [u8]>, Fault> {
         let (bytes, g) = (self.bytes(), self.geometry());
         if entry.size == 0 {
             return Ok(Cow::Borrowed(&[]));
@@ -210,6 +210,11 @@ impl DatFile {
     pub fn with_limits(mut self, limits: Limits) -> DatFile {
         self.limits = limits;
         self
+    }
+
+    /// The budgets in force.
+    pub fn limits(&self) -> Limits {
+        self.limits
     }
 
     /// The path it was opened by, or the name it was given.

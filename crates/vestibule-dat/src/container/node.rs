@@ -99,8 +99,8 @@ pub(crate) enum Found {
     Here(usize),
     /// The key can only be below the branch at this position.
     Below(usize),
-    /// The node is a leaf without the key; the key would stand at this position.
-    Nowhere(usize),
+    /// The node is a leaf without the key.
+    Nowhere,
 }
 
 impl Node {
@@ -218,7 +218,7 @@ impl Node {
         if i < self.count && self.id(i) == key {
             Found::Here(i)
         } else if self.leaf {
-            Found::Nowhere(i)
+            Found::Nowhere
         } else {
             Found::Below(i)
         }

@@ -11,7 +11,7 @@ use vestibule_dat::record::{
 use vestibule_world::{BlockId, MemoryRecords, REGION_RECORD, Store, World};
 
 /// One opening of a [`Room`].
-pub struct Opening {
+pub(crate) struct Opening {
     /// Low word of the cell behind it; `None` leads outside.
     pub other: Option<u16>,
     pub other_portal: i16,
@@ -22,7 +22,7 @@ pub struct Opening {
 }
 
 /// A convex room.
-pub struct Room {
+pub(crate) struct Room {
     pub low: u16,
     pub frame: Frame,
     /// Inside where all are positive, room-local.
@@ -33,7 +33,7 @@ pub struct Room {
     pub statics: Vec<Stab>,
 }
 
-pub fn plane(x: f32, y: f32, z: f32, d: f32) -> Plane {
+pub(crate) fn plane(x: f32, y: f32, z: f32, d: f32) -> Plane {
     Plane {
         normal: Vec3::new(x, y, z),
         d,
@@ -41,7 +41,7 @@ pub fn plane(x: f32, y: f32, z: f32, d: f32) -> Plane {
 }
 
 /// The six planes of a box.
-pub fn box_planes(min: Vec3, max: Vec3) -> Vec<Plane> {
+pub(crate) fn box_planes(min: Vec3, max: Vec3) -> Vec<Plane> {
     vec![
         plane(1.0, 0.0, 0.0, -min.x),
         plane(-1.0, 0.0, 0.0, max.x),
@@ -53,7 +53,7 @@ pub fn box_planes(min: Vec3, max: Vec3) -> Vec<Plane> {
 }
 
 impl Room {
-    pub fn of_box(low: u16, min: Vec3, max: Vec3) -> Self {
+    pub(crate) fn of_box(low: u16, min: Vec3, max: Vec3) -> Self {
         Room {
             low,
             frame: Frame::IDENTITY,
@@ -65,7 +65,7 @@ impl Room {
         }
     }
 
-    pub fn opening(
+    pub(crate) fn opening(
         mut self,
         other: Option<u16>,
         other_portal: i16,
@@ -82,14 +82,14 @@ impl Room {
         self
     }
 
-    pub fn stabs(mut self, stabs: &[u16]) -> Self {
+    pub(crate) fn stabs(mut self, stabs: &[u16]) -> Self {
         self.stabs = stabs.to_vec();
         self
     }
 }
 
 /// A chain of planes ending in a leaf.
-pub fn chain(planes: &[Plane]) -> BspTree {
+pub(crate) fn chain(planes: &[Plane]) -> BspTree {
     let mut nodes: Vec<BspNode> = planes
         .iter()
         .zip(1u32..)
@@ -112,7 +112,7 @@ pub fn chain(planes: &[Plane]) -> BspTree {
     }
 }
 
-pub fn empty_physics() -> BspTree {
+pub(crate) fn empty_physics() -> BspTree {
     let leaf = BspNode::Leaf {
         index: 0,
         physics: Some(BspLeafPhysics::default()),
@@ -123,7 +123,7 @@ pub fn empty_physics() -> BspTree {
     }
 }
 
-pub fn polygon(id: u16, vertex_ids: Vec<u16>) -> Polygon {
+pub(crate) fn polygon(id: u16, vertex_ids: Vec<u16>) -> Polygon {
     Polygon {
         id,
         stippling: 0x0C,
@@ -154,7 +154,7 @@ fn vertices_and_polygons(faces: &[Vec<Vec3>]) -> (VertexArray, Vec<Polygon>) {
 }
 
 /// Records of a world under construction.
-pub struct Builder {
+pub(crate) struct Builder {
     pub records: MemoryRecords,
     pub block: BlockId,
     pub info: LandBlockInfo,
@@ -165,7 +165,7 @@ pub struct Builder {
 
 impl Builder {
     /// A world whose heights are twice the index and whose one landblock is flat.
-    pub fn new(block: u16) -> Self {
+    pub(crate) fn new(block: u16) -> Self {
         let block = BlockId(block);
         let mut records = MemoryRecords::new();
         let mut heights = [0.0; 256];
@@ -211,7 +211,7 @@ impl Builder {
         }
     }
 
-    pub fn room(&mut self, room: Room) -> &mut Self {
+    pub(crate) fn room(&mut self, room: Room) -> &mut Self {
         let faces: Vec<Vec<Vec3>> = room.openings.iter().map(|o| o.corners.clone()).collect();
         let (vertices, polygons) = vertices_and_polygons(&faces);
         self.environments += 1;
@@ -264,7 +264,7 @@ impl Builder {
     }
 
     /// A building whose portals lead to (cell, its portal).
-    pub fn building(&mut self, origin: Vec3, portals: &[(u16, i16)]) -> &mut Self {
+    pub(crate) fn building(&mut self, origin: Vec3, portals: &[(u16, i16)]) -> &mut Self {
         let model_id = 0x0100_0001;
         self.model(model_id, &[vec![Vec3::ZERO, Vec3::X, Vec3::Y]], false);
         let full = |low: u16| u32::from(self.block.0) << 16 | u32::from(low);
@@ -289,7 +289,7 @@ impl Builder {
     }
 
     /// A model of loose faces; with `physics` they collide.
-    pub fn model(&mut self, id: u32, faces: &[Vec<Vec3>], physics: bool) -> &mut Self {
+    pub(crate) fn model(&mut self, id: u32, faces: &[Vec<Vec3>], physics: bool) -> &mut Self {
         let (vertices, polygons) = vertices_and_polygons(faces);
         let leaf = |kind, physics| BspTree {
             kind,
@@ -325,13 +325,13 @@ impl Builder {
         self
     }
 
-    pub fn setup(&mut self, setup: &Setup) -> &mut Self {
+    pub(crate) fn setup(&mut self, setup: &Setup) -> &mut Self {
         self.records
             .insert(Store::Portal, setup.id, setup.encode().unwrap());
         self
     }
 
-    pub fn finish(mut self) -> MemoryRecords {
+    pub(crate) fn finish(mut self) -> MemoryRecords {
         let has_objects =
             self.info.num_cells > 0 || !self.info.objects.is_empty() || !self.info.buildings.is_empty();
         let land = LandBlock {
@@ -349,7 +349,7 @@ impl Builder {
     }
 
     /// Adds a flat landblock without objects.
-    pub fn flat_block(&mut self, block: u16) -> &mut Self {
+    pub(crate) fn flat_block(&mut self, block: u16) -> &mut Self {
         let id = BlockId(block).land_block_record();
         let land = LandBlock {
             id,
@@ -361,7 +361,7 @@ impl Builder {
         self
     }
 
-    pub fn world(self) -> World {
+    pub(crate) fn world(self) -> World {
         World::open(self.finish()).unwrap()
     }
 }
