@@ -5,6 +5,7 @@ mod dat;
 mod id;
 mod inspect;
 mod ls;
+mod place;
 mod refs;
 mod wheres;
 

@@ -271,7 +271,12 @@ fn write_list(out: &mut String, key: &str, items: &[Value], indent: usize, all: 
         }
         return;
     }
-    let shown = if all { items.len() } else { SHOWN_ITEMS };
+    // Lists within lists are cut shorter, or the whole would not be seen for its parts.
+    let shown = match (all, indent) {
+        (true, _) => items.len(),
+        (false, 0) => SHOWN_ITEMS,
+        (false, _) => SHOWN_ITEMS / 3,
+    };
     for (i, item) in items.iter().enumerate().take(shown) {
         match inline(item).filter(|t| t.chars().count() + indent <= 2 * LINE) {
             Some(text) => {
@@ -307,10 +312,9 @@ fn inline(value: &Value) -> Option<String> {
             let plain = items.iter().all(|item| !has_parts(item));
             let texts: Option<Vec<String>> = items.iter().map(inline).collect();
             let texts = texts?;
-            if plain {
-                return Some(format!("[{}]", texts.join(" ")));
-            }
-            None
+            let text = format!("[{}]", texts.join(if plain { " " } else { ", " }));
+            // Lists of lists and of objects only where they are short.
+            (plain || text.chars().count() <= LINE / 2 && !items.iter().any(Value::is_object)).then_some(text)
         }
         Value::Object(map) => {
             if let (Some(origin), Some(Value::Array(q)), 2) = (map.get("origin"), map.get("rotation"), map.len()) {
@@ -334,8 +338,13 @@ fn number(n: &serde_json::Number) -> String {
     match n.as_f64() {
         Some(value) if n.is_f64() => {
             let single = value as f32;
-            if f64::from(single) == value { single.to_string() } else { value.to_string() }
+            if f64::from(single) == value { plain(format!("{single:?}")) } else { plain(format!("{value:?}")) }
         }
         _ => n.to_string(),
     }
+}
+
+/// Without the `.0` of whole numbers.
+fn plain(text: String) -> String {
+    text.strip_suffix(".0").map(str::to_owned).unwrap_or(text)
 }

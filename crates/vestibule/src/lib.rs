@@ -31,6 +31,10 @@ pub use vestibule_dat as dat;
 pub use vestibule_world as world;
 
 pub mod conform;
+pub mod describe;
+pub mod locate;
 mod open;
+pub mod references;
+pub mod round_trips;
 
 pub use open::{EMBEDDED_NAME, OpenError, open_dats, open_world};

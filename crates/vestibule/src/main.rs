@@ -69,7 +69,7 @@ fn report(error: &anyhow::Error) -> ExitCode {
     for cause in error.chain() {
         let cause_text = cause.to_string();
         // Errors that show their source themselves would be said twice.
-        if !last.ends_with(&cause_text) {
+        if !last.contains(&cause_text) {
             if !last.is_empty() {
                 text.push_str(": ");
             }

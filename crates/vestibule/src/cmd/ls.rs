@@ -9,7 +9,7 @@ use vestibule::world::BlockId;
 
 use super::id::{hex, parse_block};
 use super::inspect::FileArg;
-use crate::ui::{Align, Context, Progress, Table, Usage, style};
+use crate::ui::{Align, Context, Progress, Table, Usage, count, style};
 
 /// List records: how many of each type, or those that match
 ///
@@ -107,7 +107,7 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         if matching > listed.len() {
             writeln!(out, "... and {} more", matching - listed.len())?;
         }
-        writeln!(out, "{} records", matching)?;
+        writeln!(out, "{}", count(matching, "record"))?;
         return Ok(());
     }
     let mut table = Table::new(&[
@@ -129,7 +129,7 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         ]);
     }
     table.write(out)?;
-    writeln!(out, "{matching} records in {name}")?;
+    writeln!(out, "{} in {name}", count(matching, "record"))?;
     Ok(())
 }
 

@@ -52,7 +52,7 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     if context.json {
         let users: Vec<_> = result.users.iter().map(|u| {
             json!({"file": u.file.to_string(), "id": hex(u.id), "type": u.kind.name(), "fields": u.fields})
-        });
+        }).collect();
         let uses: Vec<_> = uses.iter().map(|r| json!({"field": r.field, "id": hex(r.id)})).collect();
         return context.print_json(&json!({
             "id": hex(args.id), "exists": found.is_ok(), "used_by": users, "uses": uses, "unreadable": result.unreadable,
@@ -79,7 +79,7 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
             }
         }
         for id in ids {
-            let fields: Vec<String> = uses.iter().filter(|r| r.id == id).map(|r| r.field.clone()).collect();
+            let fields: Vec<String> = uses.iter().filter(|r| r.id == id).map(|r| r.field.to_owned()).collect();
             table.row([hex(id), shorten(&fields)]);
         }
         writeln!(out)?;
