@@ -137,13 +137,7 @@ pub fn physics_bsp(tree: &record::BspTree, polygons: PolygonSet) -> Option<Physi
             });
         }
     }
-    Some(PhysicsBsp {
-        root,
-        nodes: nodes.into(),
-        leaves: leaves.into(),
-        leaf_polygons: leaf_polygons.into(),
-        polygons,
-    })
+    Some(PhysicsBsp::new(root, nodes, leaves, &leaf_polygons, polygons))
 }
 
 /// Compiles a cell structure.

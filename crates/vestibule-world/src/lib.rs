@@ -67,7 +67,7 @@ pub use frame::{Frame, normalise};
 pub use geometry::{BoundingBox, CylSphere, Plane, Side, Sphere};
 pub use ids::{BlockId, CellId, LandCoord, ParseCellIdError};
 pub use landblock::{LAND_CELLS, Land, Landblock};
-pub use physics_bsp::{Child, ChildKind, PhysicsBsp, PhysicsLeaf, PhysicsNode};
+pub use physics_bsp::{Child, ChildKind, Face, FaceEdge, PhysicsBsp, PhysicsLeaf, PhysicsNode};
 pub use polygon::{Polygon, PolygonSet};
 pub use position::{MapCoordinates, ParseMapCoordinatesError, ParsePositionError, Position, heading_of};
 pub use region::{REGION_RECORD, Region};
