@@ -7,12 +7,14 @@ mod inspect;
 mod ls;
 mod place;
 mod refs;
+mod tour;
 mod wheres;
 
 use crate::ui::Context;
 
 #[derive(clap::Subcommand)]
 pub(crate) enum Command {
+    Tour(tour::Args),
     Where(wheres::Args),
     Inspect(inspect::Args),
     Ls(ls::Args),
@@ -25,6 +27,7 @@ pub(crate) enum Command {
 impl Command {
     pub(crate) fn run(&self, context: &mut Context) -> anyhow::Result<()> {
         match self {
+            Command::Tour(args) => tour::run(args, context),
             Command::Where(args) => wheres::run(args, context),
             Command::Inspect(args) => inspect::run(args, context),
             Command::Ls(args) => ls::run(args, context),

@@ -28,6 +28,7 @@
 #![forbid(unsafe_code)]
 
 pub use vestibule_dat as dat;
+pub use vestibule_physics as physics;
 pub use vestibule_world as world;
 
 pub mod conform;
@@ -35,6 +36,9 @@ pub mod describe;
 pub mod locate;
 mod open;
 pub mod references;
+pub mod route;
 pub mod round_trips;
+pub mod tour;
+pub mod walker;
 
 pub use open::{EMBEDDED_NAME, OpenError, open_dats, open_world};

@@ -203,6 +203,11 @@ impl Progress {
         Progress { bar: None, what, total, started: Instant::now() }
     }
 
+    /// For work of unknown length.
+    pub(crate) fn spinner(what: &'static str) -> Self {
+        Progress::new(what, 0)
+    }
+
     pub(crate) fn set(&mut self, done: u64) {
         match &self.bar {
             Some(bar) => bar.set_position(done),
@@ -215,8 +220,12 @@ impl Progress {
         if !std::io::stderr().is_terminal() {
             return;
         }
-        let bar = ProgressBar::with_draw_target(Some(self.total), ProgressDrawTarget::stderr_with_hz(10));
-        if let Ok(style) = ProgressStyle::with_template("{msg} [{bar:40}] {human_pos}/{human_len} {eta}") {
+        let known = self.total > 0;
+        let total = known.then_some(self.total);
+        let bar = ProgressBar::with_draw_target(total, ProgressDrawTarget::stderr_with_hz(10));
+        let template =
+            if known { "{msg} [{bar:40}] {human_pos}/{human_len} {eta}" } else { "{spinner} {human_pos} {msg}" };
+        if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.progress_chars("=> "));
         }
         bar.set_message(self.what);
