@@ -36,6 +36,8 @@
 //!
 //! # Features
 //! `mmap` (default): [`DatFile::open`] maps the file instead of reading it. Leave it off for wasm32.
+//!
+//! `serde`: every record type implements `serde::Serialize`.
 
 mod container;
 mod dat_set;

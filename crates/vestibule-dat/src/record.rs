@@ -116,6 +116,15 @@ fn write_record<T: DatRecord>(record: &T, id: u32) -> Result<(Vec<u8>, Vec<Range
     Ok(writer.finish())
 }
 
+/// Serialises an array that is too long for serde's own implementations.
+#[cfg(feature = "serde")]
+pub(crate) fn serialize_array<T: serde::Serialize, S: serde::Serializer, const N: usize>(
+    array: &[T; N],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serde::Serialize::serialize(array.as_slice(), serializer)
+}
+
 /// Gives a record type `parse` and `encode` of its own.
 macro_rules! inherent_parse_and_encode {
     ($name:ident) => {
@@ -144,6 +153,7 @@ macro_rules! any_record {
     ($($(#[$doc:meta])* $name:ident($type:ty);)*) => {
         /// Any record.
         #[derive(Debug, Clone, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize))]
         #[non_exhaustive]
         pub enum Record {
             $($(#[$doc])* $name($type),)*
