@@ -1,0 +1,169 @@
+//! Shared assets: models, shapes and cell structures, compiled once per record.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::Vec3;
+use vestibule_dat::record;
+
+use crate::compile;
+use crate::env_cell::CellStruct;
+use crate::error::{LoadProblem, ProblemKind};
+use crate::frame::Frame;
+use crate::geometry::Sphere;
+use crate::shape::{Model, Shape, ShapePart};
+use crate::source::Store;
+use crate::world::World;
+
+/// Compiled records by id. Only loading looks in here.
+#[derive(Default)]
+pub(crate) struct Assets {
+    models: Cache<u32, Model>,
+    shapes: Cache<u32, Shape>,
+    structs: Cache<(u32, u16), CellStruct>,
+}
+
+type Cache<K, V> = Mutex<HashMap<K, Option<Arc<V>>>>;
+
+/// The cached value, made on first use. Two threads may make the same one; both are equal and one is kept.
+fn cached<K: core::hash::Hash + Eq + Copy, V>(
+    cache: &Cache<K, V>,
+    key: K,
+    make: impl FnOnce() -> Option<V>,
+) -> Option<Arc<V>> {
+    let lock = || cache.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(found) = lock().get(&key) {
+        return found.clone();
+    }
+    let made = make().map(Arc::new);
+    lock().entry(key).or_insert(made).clone()
+}
+
+impl World {
+    /// Reads and parses a record that `needed_by` refers to; problems are reported and answer `None`.
+    pub(crate) fn parse<T>(
+        &self,
+        store: Store,
+        id: u32,
+        needed_by: u32,
+        parse: impl FnOnce(u32, &[u8]) -> Result<T, record::RecordError>,
+    ) -> Option<T> {
+        let problem = |kind| LoadProblem {
+            file: self.source().file_of(store, id),
+            id,
+            kind,
+        };
+        match self.source().record(store, id) {
+            Ok(Some(bytes)) => parse(id, &bytes)
+                .map_err(|e| self.report(problem(ProblemKind::Unreadable(e.to_string()))))
+                .ok(),
+            Ok(None) => {
+                self.report(problem(ProblemKind::Missing { needed_by }));
+                None
+            }
+            Err(e) => {
+                self.report(problem(ProblemKind::Unreadable(e.to_string())));
+                None
+            }
+        }
+    }
+
+    /// The model of a GfxObj record (0x01…).
+    pub fn model(&self, id: u32, needed_by: u32) -> Option<Arc<Model>> {
+        cached(&self.assets.models, id, || {
+            self.parse(Store::Portal, id, needed_by, record::GfxObj::parse)
+                .map(|record| compile::model(id, &record))
+        })
+    }
+
+    /// The shape of a Setup record (0x02…), or of a GfxObj (0x01…) as a setup of one part.
+    pub fn shape(&self, id: u32, needed_by: u32) -> Option<Arc<Shape>> {
+        cached(&self.assets.shapes, id, || match id >> 24 {
+            0x01 => Some(self.one_part_shape(id, needed_by)),
+            _ => self
+                .parse(Store::Portal, id, needed_by, record::Setup::parse)
+                .map(|setup| self.setup_shape(id, &setup)),
+        })
+    }
+
+    fn one_part_shape(&self, id: u32, needed_by: u32) -> Shape {
+        let model = self.model(id, needed_by);
+        let sphere = model.as_ref().and_then(|m| m.cell_sphere()).unwrap_or_default();
+        Shape {
+            id,
+            has_physics_bsp: model.as_ref().is_some_and(|m| m.physics.is_some()),
+            parts: [ShapePart {
+                model,
+                model_id: id,
+                frame: Frame::IDENTITY,
+                scale: Vec3::ONE,
+            }]
+            .into(),
+            cylspheres: [].into(),
+            spheres: [].into(),
+            allow_free_heading: true,
+            height: 0.0,
+            radius: 0.0,
+            step_up_height: 0.0,
+            step_down_height: 0.0,
+            sorting_sphere: sphere,
+            selection_sphere: sphere,
+        }
+    }
+
+    fn setup_shape(&self, id: u32, setup: &record::Setup) -> Shape {
+        let pose = setup.resting_frame();
+        let parts: Box<[ShapePart]> = setup
+            .parts
+            .iter()
+            .enumerate()
+            .map(|(i, &model_id)| ShapePart {
+                model: self.model(model_id, id),
+                model_id,
+                frame: pose
+                    .and_then(|p| p.frames.get(i))
+                    .map(Frame::from)
+                    .unwrap_or_default(),
+                scale: setup
+                    .default_scales
+                    .as_ref()
+                    .and_then(|s| s.get(i))
+                    .copied()
+                    .unwrap_or(Vec3::ONE),
+            })
+            .collect();
+        Shape {
+            id,
+            has_physics_bsp: parts
+                .iter()
+                .any(|p| p.model.as_ref().is_some_and(|m| m.physics.is_some())),
+            parts,
+            cylspheres: setup.cyl_spheres.iter().map(Into::into).collect(),
+            spheres: setup.spheres.iter().map(Sphere::from).collect(),
+            allow_free_heading: setup.allow_free_heading(),
+            height: setup.height,
+            radius: setup.radius,
+            step_up_height: setup.step_up_height,
+            step_down_height: setup.step_down_height,
+            sorting_sphere: (&setup.sorting_sphere).into(),
+            selection_sphere: (&setup.selection_sphere).into(),
+        }
+    }
+
+    /// A cell structure of an Environment record (0x0D…).
+    pub(crate) fn cell_struct(&self, environment: u32, key: u16, cell: u32) -> Option<Arc<CellStruct>> {
+        cached(&self.assets.structs, (environment, key), || {
+            let record = self.parse(Store::Portal, environment, cell, record::Environment::parse)?;
+            let found = record.cell_struct(u32::from(key));
+            if found.is_none() {
+                let kind = ProblemKind::NoCellStruct { environment, key };
+                self.report(LoadProblem {
+                    file: self.source().file_of(Store::Cell, cell),
+                    id: cell,
+                    kind,
+                });
+            }
+            Some(compile::cell_struct(environment, key, found?))
+        })
+    }
+}

@@ -1,0 +1,124 @@
+//! Shadow lists: which static objects each cell holds or is reached by (`world.md` 14).
+
+use crate::cell_array::CellArray;
+use crate::find_cell_list::find_cell_list_of_cylspheres;
+use crate::ids::CellId;
+use crate::landblock::{LAND_CELLS, Landblock};
+use crate::position::Position;
+use crate::shape::{StaticObject, StaticRef};
+use crate::transit_parts::{PartBounds, find_bbox_cell_list};
+use crate::world::World;
+
+/// For each cell of a landblock, the static objects that reach it, in order of entry: block by block, the
+/// block's statics in record order, then those of its env cells (`world.md` H7).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ShadowLists {
+    /// Start of each cell's range in `refs`: 64 land cells, then the env cells; one more entry than cells.
+    starts: Box<[u32]>,
+    refs: Box<[StaticRef]>,
+}
+
+impl ShadowLists {
+    /// The static objects found in a cell of this block.
+    #[inline]
+    pub fn of(&self, cell: CellId) -> &[StaticRef] {
+        let Some(slot) = slot(cell) else { return &[] };
+        match (self.starts.get(slot), self.starts.get(slot + 1)) {
+            (Some(&a), Some(&b)) => self.refs.get(a as usize..b as usize).unwrap_or(&[]),
+            _ => &[],
+        }
+    }
+
+    /// Builds the lists of `block` from its own statics and those of the blocks around it.
+    pub(crate) fn build(world: &World, block: &Landblock) -> Self {
+        let cells = LAND_CELLS + block.env_cells.len();
+        let mut found: Vec<(usize, StaticRef)> = Vec::new();
+        let mut array = CellArray::new();
+        for dx in -1..=1 {
+            for dy in -1..=1 {
+                let Some(id) = block.id.neighbour(dx, dy) else {
+                    continue;
+                };
+                let Some(near) = (if id == block.id {
+                    Some(block)
+                } else {
+                    world.block(id)
+                }) else {
+                    continue;
+                };
+                for (index, object) in near.statics.iter().enumerate() {
+                    calc_cross_cells_static(world, object, &mut array);
+                    for entry in array.entries().iter().filter(|e| e.id.block() == block.id) {
+                        if let Some(slot) = slot(entry.id).filter(|&s| s < cells) {
+                            found.push((
+                                slot,
+                                StaticRef {
+                                    block: id,
+                                    index: index as u32,
+                                },
+                            ));
+                        }
+                    }
+                }
+            }
+        }
+        // Stable: keeps the order of entry within a cell.
+        found.sort_by_key(|&(slot, _)| slot);
+        let mut starts = vec![0u32; cells + 1];
+        for &(slot, _) in &found {
+            if let Some(count) = starts.get_mut(slot + 1) {
+                *count += 1;
+            }
+        }
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
+        ShadowLists {
+            starts: starts.into(),
+            refs: found.into_iter().map(|(_, r)| r).collect(),
+        }
+    }
+}
+
+/// Position of a cell in the lists of its block.
+#[inline]
+fn slot(cell: CellId) -> Option<usize> {
+    if cell.is_land_cell() {
+        Some(usize::from(cell.low()) - 1)
+    } else if cell.is_env_cell() {
+        Some(LAND_CELLS + usize::from(cell.low()) - 0x100)
+    } else {
+        None
+    }
+}
+
+/// The cells a static object occupies (retail `calc_cross_cells_static`, `world.md` H2): by its cylinders when
+/// it has some and no physics BSP, else by the boxes of its parts.
+pub fn calc_cross_cells_static(world: &World, object: &StaticObject, array: &mut CellArray) {
+    array.do_not_load_cells = true;
+    if !object.shape.cylspheres.is_empty() && !object.shape.has_physics_bsp {
+        let position = Position {
+            cell: object.cell,
+            frame: object.frame,
+        };
+        find_cell_list_of_cylspheres(world, &position, &object.shape.cylspheres, array);
+    } else {
+        let parts = part_bounds(object);
+        find_bbox_cell_list(world, object.cell, &parts, array);
+    }
+}
+
+/// The parts of a placed object as the cell tests see them. Parts without a model are left out.
+pub fn part_bounds(object: &StaticObject) -> Vec<PartBounds> {
+    let placed = object.shape.parts.iter().zip(&object.part_frames);
+    placed
+        .filter_map(|(part, frame)| {
+            let model = part.model.as_ref()?;
+            Some(PartBounds {
+                frame: *frame,
+                sphere: model.cell_sphere(),
+                bounds: model.bounds,
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,380 @@
+//! Terrain: split direction, triangles, heights, water and roads (`world.md` 4 and 5).
+
+use glam::Vec3;
+
+use crate::constants::{
+    BLOCK_SIDE_CELLS, BLOCK_SIDE_VERTICES, EPSILON, SQUARE_LENGTH, WATER_DEPTH_DRY_CORNER,
+    WATER_DEPTH_ENTIRELY, WATER_DEPTH_WET_CORNER,
+};
+use crate::geometry::Plane;
+use crate::ids::LandCoord;
+
+/// Which diagonal splits a land cell into its two triangles (`world.md` 4.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Split {
+    /// From the south-west to the north-east corner.
+    SwNe,
+    /// From the south-east to the north-west corner.
+    SeNw,
+}
+
+/// The hash whose top bit picks the diagonal of the land cell at `c` (`world.md` 4.2).
+pub fn split_hash(c: LandCoord) -> u32 {
+    let (x, y) = (c.x as u32, c.y as u32);
+    y.wrapping_mul(x.wrapping_mul(214_614_067).wrapping_add(1_813_693_831))
+        .wrapping_sub(x.wrapping_mul(1_109_124_029))
+        .wrapping_sub(1_369_149_221)
+}
+
+/// The diagonal of the land cell at `c` (`world.md` 4.2).
+pub fn split_direction(c: LandCoord) -> Split {
+    if split_hash(c) >= 0x8000_0000 {
+        Split::SwNe
+    } else {
+        Split::SeNw
+    }
+}
+
+/// One terrain vertex word: `road`, terrain `type` and `scene` (`world.md` A1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct TerrainWord(pub u16);
+
+impl TerrainWord {
+    /// Road kind, 0 for none.
+    pub const fn road(self) -> u8 {
+        (self.0 & 3) as u8
+    }
+
+    /// Terrain type, 0…31.
+    pub const fn terrain_type(self) -> u8 {
+        (self.0 >> 2 & 0x1F) as u8
+    }
+
+    /// Scene index of this terrain type, 0…31.
+    pub const fn scene(self) -> u8 {
+        (self.0 >> 11) as u8
+    }
+
+    /// Whether this is one of the five water types, 16…20 (`world.md` A2).
+    pub const fn is_water(self) -> bool {
+        matches!(self.terrain_type(), 16..=20)
+    }
+}
+
+/// How much of a land cell or a landblock is water (`world.md` A3, A4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Water {
+    /// None.
+    #[default]
+    Not,
+    /// Some of it.
+    Partially,
+    /// All of it.
+    Entirely,
+}
+
+/// One of a land cell's two triangles, in the frame of its landblock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TerrainPolygon {
+    /// Corners, counter-clockwise seen from above, metres.
+    pub vertices: [Vec3; 3],
+    /// Its plane; the normal points up.
+    pub plane: Plane,
+}
+
+impl TerrainPolygon {
+    fn new(vertices: [Vec3; 3]) -> Self {
+        TerrainPolygon {
+            vertices,
+            plane: Plane::of_polygon(&vertices),
+        }
+    }
+
+    /// Whether the column over `p` meets the triangle; edges count as inside, z is ignored
+    /// (`world.md` T8, retail `point_in_poly2D`, positive side).
+    #[inline]
+    pub fn contains_2d(&self, p: Vec3) -> bool {
+        let mut prev = self.vertices[0];
+        for i in (0..3).rev() {
+            let cur = self.vertices[i];
+            let c = (cur.x - prev.x) * (p.y - cur.y) - (cur.y - prev.y) * (p.x - cur.x);
+            if c > 0.0 {
+                return false;
+            }
+            prev = cur;
+        }
+        true
+    }
+
+    /// Ground height over (x, y), metres; `None` on a vertical plane (`world.md` T9).
+    pub fn height_at(&self, p: Vec3) -> Option<f32> {
+        let Plane { normal: n, d } = self.plane;
+        (n.z.abs() > EPSILON).then(|| -(n.x * p.x + n.y * p.y + d) / n.z)
+    }
+}
+
+/// A land cell: a 24 m square of a landblock, an infinite column over two triangles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LandCell {
+    /// The two triangles in retail's order (`world.md` 4.3), landblock frame.
+    pub polygons: [TerrainPolygon; 2],
+    /// Which diagonal separates them.
+    pub split: Split,
+    /// Water at its four corners.
+    pub water: Water,
+    /// Which corners are water: bit 0 SW, 1 SE, 2 NE, 3 NW.
+    pub water_corners: u8,
+    /// Index into the landblock's buildings of the one that stands here (`world.md` C1).
+    pub building: Option<u16>,
+    /// Object that decides who may enter, from the restriction table (`world.md` 19).
+    pub restriction: Option<u32>,
+}
+
+impl LandCell {
+    /// The triangle under or over `p`, landblock frame (retail `find_terrain_poly`, `world.md` T7).
+    #[inline]
+    pub fn find_terrain_poly(&self, p: Vec3) -> Option<&TerrainPolygon> {
+        self.polygons.iter().find(|poly| poly.contains_2d(p))
+    }
+
+    /// How far a body sinks in at `p`, metres (`world.md` A5).
+    pub fn water_depth(&self, p: Vec3) -> f32 {
+        match self.water {
+            Water::Not => 0.0,
+            Water::Entirely => WATER_DEPTH_ENTIRELY,
+            Water::Partially => {
+                let half =
+                    |v: f32| v - SQUARE_LENGTH * libm::floorf(v / SQUARE_LENGTH) >= SQUARE_LENGTH / 2.0;
+                let corner = match (half(p.x), half(p.y)) {
+                    (false, false) => 1,
+                    (true, false) => 2,
+                    (true, true) => 4,
+                    (false, true) => 8,
+                };
+                if self.water_corners & corner != 0 {
+                    WATER_DEPTH_WET_CORNER
+                } else {
+                    WATER_DEPTH_DRY_CORNER
+                }
+            }
+        }
+    }
+}
+
+/// Index of vertex (i, j) in a landblock's 81: x-major (`dat-format.md` L1).
+pub const fn vertex_index(i: usize, j: usize) -> usize {
+    BLOCK_SIDE_VERTICES * i + j
+}
+
+/// Builds the 64 land cells of the block whose south-west land cell is `corner`, in order of their ids.
+/// `heights` are metres, `words` the terrain words, both in vertex order.
+pub fn build_land_cells(corner: LandCoord, heights: &[f32; 81], words: &[TerrainWord; 81]) -> Vec<LandCell> {
+    let side = BLOCK_SIDE_CELLS as usize;
+    let mut cells = Vec::with_capacity(side * side);
+    for cx in 0..side {
+        for cy in 0..side {
+            let vertex = |i: usize, j: usize| {
+                Vec3::new(
+                    i as f32 * SQUARE_LENGTH,
+                    j as f32 * SQUARE_LENGTH,
+                    heights[vertex_index(i, j)],
+                )
+            };
+            let (sw, se) = (vertex(cx, cy), vertex(cx + 1, cy));
+            let (ne, nw) = (vertex(cx + 1, cy + 1), vertex(cx, cy + 1));
+            let split = split_direction(LandCoord {
+                x: corner.x + cx as i32,
+                y: corner.y + cy as i32,
+            });
+            let polygons = match split {
+                Split::SwNe => [[sw, se, ne], [sw, ne, nw]],
+                Split::SeNw => [[sw, se, nw], [ne, nw, se]],
+            };
+            let corners = [(cx, cy), (cx + 1, cy), (cx + 1, cy + 1), (cx, cy + 1)];
+            let water_corners = corners.iter().enumerate().fold(0u8, |bits, (k, &(i, j))| {
+                bits | u8::from(words[vertex_index(i, j)].is_water()) << k
+            });
+            let water = match water_corners {
+                0 => Water::Not,
+                0xF => Water::Entirely,
+                _ => Water::Partially,
+            };
+            cells.push(LandCell {
+                polygons: polygons.map(TerrainPolygon::new),
+                split,
+                water,
+                water_corners,
+                building: None,
+                restriction: None,
+            });
+        }
+    }
+    cells
+}
+
+/// Water of a whole landblock from its cells (`world.md` A4).
+pub fn block_water(cells: &[LandCell]) -> Water {
+    if cells.iter().all(|c| c.water == Water::Entirely) {
+        Water::Entirely
+    } else if cells.iter().all(|c| c.water == Water::Not) {
+        Water::Not
+    } else {
+        Water::Partially
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(x: i32, y: i32) -> LandCoord {
+        LandCoord { x, y }
+    }
+
+    /// The cell at (0, 0) of a block at `corner` with the given corner heights and terrain types.
+    fn cell(corner: LandCoord, [sw, se, ne, nw]: [f32; 4], types: [u16; 4]) -> LandCell {
+        let mut heights = [0.0; 81];
+        let mut words = [TerrainWord(0); 81];
+        for (k, (i, j)) in [(0, 0), (1, 0), (1, 1), (0, 1)].into_iter().enumerate() {
+            heights[vertex_index(i, j)] = [sw, se, ne, nw][k];
+            words[vertex_index(i, j)] = TerrainWord(types[k] << 2);
+        }
+        build_land_cells(corner, &heights, &words).swap_remove(0)
+    }
+
+    const SW_NE: LandCoord = LandCoord { x: 0, y: 0 };
+    const SE_NW: LandCoord = LandCoord { x: 0, y: 1 };
+
+    #[test]
+    fn examples_22_17_and_22_18_split_hash() {
+        for (x, y, h) in [
+            (0, 0, 0xAE64_70DB_u32),
+            (0, 1, 0x1A7F_3662),
+            (1, 0, 0x6C48_8D1E),
+            (1, 1, 0xE52E_12D8),
+            (1352, 1440, 0xC15B_D913),
+            (1353, 1440, 0x73B9_1436),
+            (1352, 1441, 0xBC3D_ABF2),
+            (1024, 1024, 0xAD1B_98DB),
+            (2039, 2039, 0x3846_F0E4),
+            (657, 1857, 0x8000_01B8),
+        ] {
+            assert_eq!(split_hash(at(x, y)), h, "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn example_22_19_splits_of_a_landblock() {
+        let rows = [
+            "////////",
+            "////////",
+            "///\\\\\\\\\\",
+            "//\\\\\\\\\\/",
+            "//\\\\\\///",
+            "//\\\\//\\\\",
+            "/\\\\//\\\\/",
+            "/\\\\//\\//",
+        ];
+        for (k, row) in rows.iter().enumerate() {
+            let cy = 7 - k as i32;
+            let drawn: String = (0..8)
+                .map(|cx| {
+                    if split_direction(at(1352 + cx, 1440 + cy)) == Split::SwNe {
+                        '/'
+                    } else {
+                        '\\'
+                    }
+                })
+                .collect();
+            assert_eq!(&drawn, row, "row {cy}");
+        }
+    }
+
+    #[test]
+    fn example_22_20_half_the_map_splits_sw_ne() {
+        let count = (0..2040)
+            .flat_map(|x| (0..2040).map(move |y| at(x, y)))
+            .filter(|&c| split_direction(c) == Split::SwNe)
+            .count();
+        assert_eq!(format!("{:.3}", count as f64 / 4_161_600.0 * 100.0), "50.014");
+    }
+
+    #[test]
+    fn example_22_21_heights() {
+        let heights = [20.0, 40.0, 60.0, 30.0];
+        for (corner, tx, ty, expected) in [
+            (SW_NE, 0.75, 0.25, 40.0),
+            (SW_NE, 0.25, 0.75, 35.0),
+            (SW_NE, 0.5, 0.5, 40.0),
+            (SE_NW, 0.25, 0.25, 27.5),
+            (SE_NW, 0.75, 0.75, 47.5),
+            (SE_NW, 0.5, 0.5, 35.0),
+        ] {
+            let cell = cell(corner, heights, [0; 4]);
+            let p = Vec3::new(tx * 24.0, ty * 24.0, 0.0);
+            let z = cell.find_terrain_poly(p).unwrap().height_at(p).unwrap();
+            assert!((z - expected).abs() < 1e-4, "{corner:?} {tx} {ty}: {z}");
+        }
+    }
+
+    #[test]
+    fn example_22_22_the_diagonal_belongs_to_polygon_0() {
+        let cell = cell(SW_NE, [0.0; 4], [0; 4]);
+        assert_eq!(
+            cell.polygons[0].plane,
+            Plane {
+                normal: Vec3::Z,
+                d: 0.0
+            }
+        );
+        let which = |x: f32, y: f32| {
+            let p = Vec3::new(x, y, 0.0);
+            cell.polygons
+                .iter()
+                .map(|poly| poly.contains_2d(p))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(which(12.0, 6.0), [true, false]);
+        assert_eq!(which(6.0, 12.0), [false, true]);
+        assert_eq!(which(12.0, 12.0), [true, true]);
+        assert_eq!(
+            cell.find_terrain_poly(Vec3::new(12.0, 12.0, 0.0)),
+            Some(&cell.polygons[0])
+        );
+    }
+
+    #[test]
+    fn example_22_23_a_steep_triangle_is_not_walkable() {
+        let cell = cell(SW_NE, [0.0, 24.0, 0.0, 0.0], [0; 4]);
+        let n = cell.polygons[0].plane.normal;
+        let s = 1.0 / libm::sqrtf(3.0);
+        assert!((n - Vec3::new(-s, s, s)).length() < 1e-6);
+        assert!(n.z < crate::constants::FLOOR_Z);
+        assert_eq!(cell.polygons[1].plane.normal, Vec3::Z);
+    }
+
+    #[test]
+    fn example_22_24_water() {
+        let wet = cell(SW_NE, [0.0; 4], [0x14; 4]);
+        assert_eq!(wet.water, Water::Entirely);
+        assert_eq!(wet.water_depth(Vec3::new(3.0, 3.0, 0.0)), 0.9);
+        let partly = cell(SW_NE, [0.0; 4], [0x14, 1, 1, 1]);
+        assert_eq!(partly.water, Water::Partially);
+        let depth = |x: f32, y: f32| partly.water_depth(Vec3::new(x, y, 0.0));
+        assert_eq!(
+            (depth(3.0, 3.0), depth(20.0, 3.0), depth(12.0, 12.0)),
+            (0.45, 0.1, 0.1)
+        );
+        assert_eq!(cell(SW_NE, [0.0; 4], [0x16; 4]).water, Water::Not);
+    }
+
+    #[test]
+    fn t8_borders_belong_to_both_cells() {
+        let heights = [0.0; 81];
+        let cells = build_land_cells(SW_NE, &heights, &[TerrainWord(0); 81]);
+        let edge = Vec3::new(24.0, 12.0, 0.0);
+        assert!(cells[0].find_terrain_poly(edge).is_some());
+        assert!(cells[8].find_terrain_poly(edge).is_some());
+        assert!(cells[0].find_terrain_poly(Vec3::new(24.001, 12.0, 0.0)).is_none());
+    }
+}

@@ -1,0 +1,273 @@
+//! The world: landblocks loaded on first touch, and the look-ups everything else stands on (`world.md` 15, 17).
+
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use glam::Vec3;
+
+use crate::assets::Assets;
+use crate::constants::BLOCK_LENGTH;
+use crate::env_cell::EnvCell;
+use crate::error::{LoadProblem, WorldError};
+use crate::ids::{BlockId, CellId};
+use crate::landblock::Landblock;
+use crate::load;
+use crate::region::Region;
+use crate::shadow::ShadowLists;
+use crate::shape::{Building, StaticObject, StaticRef};
+use crate::source::RecordSource;
+use crate::terrain::{LandCell, Water};
+
+/// Landblock slots: one for every high word.
+const BLOCK_SLOTS: usize = 1 << 16;
+/// At most this many load problems are kept; more are counted.
+const MAX_KEPT_PROBLEMS: usize = 10_000;
+
+/// How a world answers where prior art and retail differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WorldSettings {
+    /// Apply the block offset when spheres enter a building of a neighbouring landblock (`world.md` D4). Retail
+    /// does not: such a building is entered one step later, once the position has crossed the border.
+    pub offset_building_transit: bool,
+}
+
+/// What the DAT files say, compiled for look-ups. Landblocks load when first touched, from any thread; once
+/// loaded they do not change. Share it by reference.
+pub struct World {
+    source: Box<dyn RecordSource>,
+    region: Region,
+    settings: WorldSettings,
+    blocks: Box<[OnceLock<Option<Box<Landblock>>>]>,
+    pub(crate) assets: Assets,
+    problems: Mutex<Problems>,
+}
+
+#[derive(Default)]
+struct Problems {
+    kept: Vec<LoadProblem>,
+    dropped: usize,
+}
+
+impl World {
+    /// Opens a world over `source`. Reads the Region record only.
+    ///
+    /// # Errors
+    /// When the Region record (0x13000000) is missing or damaged.
+    pub fn open(source: impl RecordSource + 'static) -> Result<Self, WorldError> {
+        Self::with_settings(source, WorldSettings::default())
+    }
+
+    /// As [`World::open`], with settings other than retail's.
+    ///
+    /// # Errors
+    /// As [`World::open`].
+    pub fn with_settings(
+        source: impl RecordSource + 'static,
+        settings: WorldSettings,
+    ) -> Result<Self, WorldError> {
+        let region = Region::read(&source)?;
+        let blocks = (0..BLOCK_SLOTS).map(|_| OnceLock::new()).collect();
+        Ok(World {
+            source: Box::new(source),
+            region,
+            settings,
+            blocks,
+            assets: Assets::default(),
+            problems: Mutex::default(),
+        })
+    }
+
+    /// The settings the world was opened with.
+    #[inline]
+    pub fn settings(&self) -> &WorldSettings {
+        &self.settings
+    }
+
+    /// The land definitions of the Region record.
+    pub fn region(&self) -> &Region {
+        &self.region
+    }
+
+    /// Where the records come from.
+    pub fn source(&self) -> &dyn RecordSource {
+        &*self.source
+    }
+
+    /// The landblock, loaded if it was not. `None` when neither terrain nor env cells can be had there.
+    #[inline]
+    pub fn block(&self, id: BlockId) -> Option<&Landblock> {
+        let slot = &self.blocks[usize::from(id.0)];
+        match slot.get() {
+            Some(block) => block.as_deref(),
+            None => self.load_block(id),
+        }
+    }
+
+    #[cold]
+    fn load_block(&self, id: BlockId) -> Option<&Landblock> {
+        let slot = &self.blocks[usize::from(id.0)];
+        slot.get_or_init(|| {
+            if id.is_on_map() {
+                load::landblock(self, id).map(Box::new)
+            } else {
+                None
+            }
+        })
+        .as_deref()
+    }
+
+    /// The landblock if it has been loaded already.
+    pub fn loaded_block(&self, id: BlockId) -> Option<&Landblock> {
+        self.blocks[usize::from(id.0)].get()?.as_deref()
+    }
+
+    /// The env cell if it is resident (retail `CEnvCell::GetVisible`).
+    #[inline]
+    pub fn env_cell(&self, id: CellId) -> Option<&EnvCell> {
+        if !id.is_indoor() {
+            return None;
+        }
+        self.block(id.block())?.env_cell(id)
+    }
+
+    /// The land cell if its landblock is loaded (retail `CLandCell::GetVisible`).
+    #[inline]
+    pub fn land_cell(&self, id: CellId) -> Option<&LandCell> {
+        if !id.is_land_cell() {
+            return None;
+        }
+        self.block(id.block())?.land_cell(id)
+    }
+
+    /// Whether the cell is resident (retail `GetVisible` finds one, `world.md` V1).
+    #[inline]
+    pub fn is_resident(&self, id: CellId) -> bool {
+        if id.is_indoor() {
+            self.env_cell(id).is_some()
+        } else {
+            self.land_cell(id).is_some()
+        }
+    }
+
+    /// The building registered with a land cell.
+    #[inline]
+    pub fn building_on(&self, id: CellId) -> Option<&Building> {
+        self.block(id.block())?.building_on(id)
+    }
+
+    /// Whether `q`, in the frame of the cell's landblock, is inside the cell (retail `point_in_cell`,
+    /// `world.md` P4). False for cells that are not resident.
+    #[inline]
+    pub fn point_in_cell(&self, id: CellId, q: Vec3) -> bool {
+        if id.is_indoor() {
+            self.env_cell(id).is_some_and(|cell| cell.contains_point(q))
+        } else {
+            self.land_cell(id)
+                .is_some_and(|cell| cell.find_terrain_poly(q).is_some())
+        }
+    }
+
+    /// Static objects found in a cell, its shadow list (`world.md` 14), in retail's order.
+    #[inline]
+    pub fn statics_in(&self, cell: CellId) -> &[StaticRef] {
+        let Some(block) = self.block(cell.block()) else {
+            return &[];
+        };
+        block
+            .shadows
+            .get_or_init(|| ShadowLists::build(self, block))
+            .of(cell)
+    }
+
+    /// The static object a reference names.
+    #[inline]
+    pub fn static_object(&self, r: StaticRef) -> Option<&StaticObject> {
+        self.block(r.block)?.statics.get(r.index as usize)
+    }
+
+    /// Water of the landblock; [`Water::Not`] without terrain.
+    pub fn block_water(&self, id: BlockId) -> Water {
+        self.block(id)
+            .and_then(|b| b.land.as_ref())
+            .map_or(Water::Not, |land| land.water)
+    }
+
+    /// The ground over or under a point: land cell, height in metres. `p` is in the frame of `cell`'s landblock
+    /// and may lie outside it.
+    pub fn ground_at(&self, cell: CellId, p: Vec3) -> Option<Ground<'_>> {
+        let (id, q) = cell.adjust_to_outside(p)?;
+        let land_cell = self.land_cell(id)?;
+        let polygon = land_cell.find_terrain_poly(q)?;
+        Some(Ground {
+            cell: id,
+            point: q,
+            z: polygon.height_at(q)?,
+            land_cell,
+            polygon,
+        })
+    }
+
+    /// What could not be loaded so far, oldest first.
+    pub fn problems(&self) -> Vec<LoadProblem> {
+        self.problems
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .kept
+            .clone()
+    }
+
+    /// Number of load problems so far, also those no longer kept.
+    pub fn problem_count(&self) -> usize {
+        let problems = self.problems.lock().unwrap_or_else(PoisonError::into_inner);
+        problems.kept.len() + problems.dropped
+    }
+
+    pub(crate) fn report(&self, problem: LoadProblem) {
+        let mut problems = self.problems.lock().unwrap_or_else(PoisonError::into_inner);
+        if problems.kept.len() < MAX_KEPT_PROBLEMS {
+            problems.kept.push(problem);
+        } else {
+            problems.dropped += 1;
+        }
+    }
+}
+
+/// Terrain under a point, from [`World::ground_at`].
+#[derive(Clone, Copy, Debug)]
+pub struct Ground<'w> {
+    /// The land cell.
+    pub cell: CellId,
+    /// The point in the frame of the land cell's landblock.
+    pub point: Vec3,
+    /// Height of the ground there, metres.
+    pub z: f32,
+    /// The land cell's data.
+    pub land_cell: &'w LandCell,
+    /// The triangle.
+    pub polygon: &'w crate::terrain::TerrainPolygon,
+}
+
+impl Ground<'_> {
+    /// How far a body sinks in here, metres (`world.md` A5).
+    pub fn water_depth(&self) -> f32 {
+        self.land_cell.water_depth(self.point)
+    }
+}
+
+impl core::fmt::Debug for World {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let loaded = self
+            .blocks
+            .iter()
+            .filter(|b| b.get().is_some_and(Option::is_some))
+            .count();
+        f.debug_struct("World")
+            .field("loaded_blocks", &loaded)
+            .field("problems", &self.problem_count())
+            .finish()
+    }
+}
+
+/// Whether a landblock-frame point lies over the landblock's own square.
+pub fn is_over_block(p: Vec3) -> bool {
+    (0.0..BLOCK_LENGTH).contains(&p.x) && (0.0..BLOCK_LENGTH).contains(&p.y)
+}
