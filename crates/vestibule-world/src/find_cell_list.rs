@@ -57,11 +57,9 @@ pub fn find_cell_list(
             }
             i += 1;
         }
-        if want_cell {
-            if let Some(cell) = containing_cell(world, seed, spheres, array) {
-                list.hits_interior |= cell.is_indoor();
-                list.containing = Some(cell);
-            }
+        if want_cell && let Some(cell) = containing_cell(world, seed, spheres, array) {
+            list.hits_interior |= cell.is_indoor();
+            list.containing = Some(cell);
         }
     }
     if array.do_not_load_cells && seed.is_indoor() && visible {

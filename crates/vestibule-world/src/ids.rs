@@ -273,10 +273,11 @@ impl FromStr for CellId {
             .strip_prefix("0x")
             .or_else(|| text.strip_prefix("0X"))
             .unwrap_or(text);
-        if digits.len() == 8 && digits.bytes().all(|b| b.is_ascii_hexdigit()) {
-            if let Ok(id) = u32::from_str_radix(digits, 16) {
-                return Ok(CellId(id));
-            }
+        if digits.len() == 8
+            && digits.bytes().all(|b| b.is_ascii_hexdigit())
+            && let Ok(id) = u32::from_str_radix(digits, 16)
+        {
+            return Ok(CellId(id));
         }
         Err(ParseCellIdError {
             text: text.to_owned(),

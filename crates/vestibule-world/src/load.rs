@@ -40,10 +40,11 @@ pub(crate) fn landblock(world: &World, id: BlockId) -> Option<Landblock> {
     if let (Some(info), Some(land)) = (&info, &mut land) {
         for &(cell, object) in info.restrictions.iter().flat_map(|t| &t.entries) {
             let cell = CellId(cell);
-            if cell.block() == id && cell.is_land_cell() {
-                if let Some(cell) = land.cells.get_mut(usize::from(cell.low()) - 1) {
-                    cell.restriction = Some(object);
-                }
+            if cell.block() == id
+                && cell.is_land_cell()
+                && let Some(cell) = land.cells.get_mut(usize::from(cell.low()) - 1)
+            {
+                cell.restriction = Some(object);
             }
         }
     }
@@ -211,15 +212,12 @@ impl Loader<'_> {
         // Ids run without gaps from 0x0100 (`world.md` 1); a larger count than there are ids is damage.
         let count = info.num_cells.min(0xFFFD - 0x0100 + 1) as u16;
         let mut out = Vec::new();
-        let mut missing = 0u32;
         for low in 0x0100..0x0100 + count {
-            let cell = self.env_cell(CellId::new(self.id, low), info.id, statics);
-            missing = if cell.is_some() { 0 } else { missing + 1 };
-            out.push(cell);
-            // A damaged count must not make us look up tens of thousands of absent records.
-            if missing > MAX_MISSING_CELLS {
-                break;
-            }
+            out.push(self.env_cell(CellId::new(self.id, low), info.id, statics));
+        }
+        // A damaged count leaves a tail of absent cells that nothing needs to remember.
+        while let Some(None) = out.last() {
+            out.pop();
         }
         out.into()
     }
@@ -289,20 +287,17 @@ impl Loader<'_> {
     fn check_building_portals(&self, block: &Landblock) {
         for (building, b) in (0u16..).zip(&block.buildings) {
             for (portal, p) in (0u16..).zip(&b.portals) {
-                if let (Some(index), Some(cell)) = (p.other_portal, block.env_cell(p.other)) {
-                    if cell.portal(index).is_none() {
-                        let kind = ProblemKind::NoOppositePortal {
-                            building,
-                            portal,
-                            cell: p.other.0,
-                        };
-                        self.report(self.id.info_record(), kind);
-                    }
+                if let (Some(index), Some(cell)) = (p.other_portal, block.env_cell(p.other))
+                    && cell.portal(index).is_none()
+                {
+                    let kind = ProblemKind::NoOppositePortal {
+                        building,
+                        portal,
+                        cell: p.other.0,
+                    };
+                    self.report(self.id.info_record(), kind);
                 }
             }
         }
     }
 }
-
-/// Env cells are numbered without gaps; after this many absent records in a row the count is taken for damage.
-const MAX_MISSING_CELLS: u32 = 64;
