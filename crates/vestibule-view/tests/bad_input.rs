@@ -15,9 +15,16 @@ fn a_cell_that_is_not_loaded_is_counted() {
     rooms.room("A", (-5.0, 5.0), (-5.0, 5.0));
     let openings = rooms.build();
     let mut pview = PView::default();
-    for cell in [0xA9B4_0101, 0xA9B4_0001, 0xA9B4_FFFF, 0xA9B4_FFFE, 0xA9B5_0100, 0, u32::MAX] {
-        let camera =
-            Camera::new(CellId(cell), v(0.0, 0.0, 1.5), Vec3::Y, Vec3::Z, 1.0, VIEWPORT).unwrap();
+    for cell in [
+        0xA9B4_0101,
+        0xA9B4_0001,
+        0xA9B4_FFFF,
+        0xA9B4_FFFE,
+        0xA9B5_0100,
+        0,
+        u32::MAX,
+    ] {
+        let camera = Camera::new(CellId(cell), v(0.0, 0.0, 1.5), Vec3::Y, Vec3::Z, 1.0, VIEWPORT).unwrap();
         let flood = pview.look_in_block(Some(&openings), &camera);
         assert!(flood.cells().is_empty() && !flood.sees_outside());
         assert_eq!(flood.counters().missing_root, 1, "{cell:08X}");
@@ -33,7 +40,13 @@ fn an_eye_outside_every_cell_still_gets_its_root() {
     rooms.door(a, b, &at_y(5.0, (-1.0, 1.0), TALL));
     let openings = rooms.build();
     let mut pview = PView::default();
-    for eye in [v(500.0, 0.0, 1.5), v(0.0, 0.0, -40.0), v(0.0, 3.0e5, 0.0), v(0.0, 5.0, 0.0), v(1.0, 5.0, 2.5)] {
+    for eye in [
+        v(500.0, 0.0, 1.5),
+        v(0.0, 0.0, -40.0),
+        v(0.0, 3.0e5, 0.0),
+        v(0.0, 5.0, 0.0),
+        v(1.0, 5.0, 2.5),
+    ] {
         let flood = pview.look_in_block(Some(&openings), &camera(a, eye, Vec3::Y, 1.0));
         assert_eq!(flood.cells()[0].id, id(a));
     }
@@ -73,7 +86,12 @@ fn s12_7_unusable_portals_are_closed_and_counted() {
 
 #[test]
 fn s12_7_polygons_that_are_not_planar_or_not_convex_still_open() {
-    let twisted = vec![v(1.0, 5.0, 0.0), v(-1.0, 5.05, 0.0), v(-1.0, 4.95, 2.0), v(1.0, 5.05, 2.0)];
+    let twisted = vec![
+        v(1.0, 5.0, 0.0),
+        v(-1.0, 5.05, 0.0),
+        v(-1.0, 4.95, 2.0),
+        v(1.0, 5.05, 2.0),
+    ];
     let l_shape = vec![
         v(1.0, 5.0, 0.0),
         v(-1.0, 5.0, 0.0),
@@ -93,7 +111,10 @@ fn s12_7_polygons_that_are_not_planar_or_not_convex_still_open() {
         let flood = pview.look_in_block(Some(&openings), &camera);
         assert_eq!(rooms.list(&flood), ["A", "B"]);
         assert!(flood.regions(&flood.cells()[1]).len() >= pieces);
-        let area: f32 = flood.regions(&flood.cells()[1]).map(|r| r.pixel_area(&camera)).sum();
+        let area: f32 = flood
+            .regions(&flood.cells()[1])
+            .map(|r| r.pixel_area(&camera))
+            .sum();
         let whole = if pieces == 1 { 4.0 } else { 3.0 };
         let want = whole * (256.0 / 5.0) * (256.0 / 5.0);
         assert!((area - want).abs() < want * 0.03, "{area}, expected {want}");
@@ -139,12 +160,18 @@ fn s13_4_a_cell_with_a_thousand_portals() {
     let camera = camera(a, v(0.0, -4.0, 1.5), Vec3::Y, 5.0);
     let flood = pview.look_in_block(Some(&openings), &camera);
     assert_eq!(rooms.list(&flood), ["A", "B"]);
-    assert_eq!((flood.regions(&flood.cells()[1]).len(), flood.outside().len()), (1, 1));
+    assert_eq!(
+        (flood.regions(&flood.cells()[1]).len(), flood.outside().len()),
+        (1, 1)
+    );
     assert!(flood.cells()[1].saturated && !flood.truncated());
     assert_eq!(flood.counters().saturated_cells, 2);
     let bounds = views_of(&rooms, &flood, &camera, "B")[0];
     // The first 65 doors at least lie inside the one view.
-    assert!(bounds[0] <= -25.0 / 9.0 + 1e-3 && bounds[1] >= -18.6 / 9.0 - 1e-3, "{bounds:?}");
+    assert!(
+        bounds[0] <= -25.0 / 9.0 + 1e-3 && bounds[1] >= -18.6 / 9.0 - 1e-3,
+        "{bounds:?}"
+    );
 }
 
 /// Every room linked to every other by openings in the same place: chains without end but for the rules.
@@ -258,8 +285,9 @@ fn wild_rooms(seed: u64) -> Vec<RoomSpec> {
                     exact_match: random.chance(0.5),
                 })
                 .collect(),
-            stab_list: (0..random.below(4)).map(|_| id(random.below(count + 2))).collect(),
-            seen_outside: random.chance(0.5),
+            stab_list: (0..random.below(4))
+                .map(|_| id(random.below(count + 2)))
+                .collect(),
         })
         .collect()
 }
