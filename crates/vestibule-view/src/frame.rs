@@ -474,7 +474,8 @@ impl FrameView {
         landscape.into_iter().flatten().chain(cell.into_iter().flatten())
     }
 
-    /// The corners of a polygon, relative to the eye, metres, counter-clockwise on the screen.
+    /// The corners of a convex polygon, relative to the eye, metres. Draw both faces: its winding says nothing. A
+    /// punch has the direction of each corner at 1 m instead: its depth is constant.
     pub fn polygon(&self, polygon: PolygonRef) -> &[Vec3] {
         let first = polygon.first as usize;
         self.points

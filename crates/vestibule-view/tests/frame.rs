@@ -291,7 +291,7 @@ fn r7_6a_a_seal_before_the_near_plane_is_split() {
         let eye = Vec3::new(84.0, 79.0 + distance, 41.6);
         let frame = frame_of(
             &world,
-            &FrameInput::new(camera(VESTIBULE, eye, Vec3::new(0.6, -0.8, 0.0))),
+            &FrameInput::new(camera(VESTIBULE, eye, Vec3::new(0.9, -0.44, 0.0))),
         );
         let depths: Vec<SealDepth> = frame
             .commands()
