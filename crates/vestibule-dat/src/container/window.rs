@@ -43,7 +43,7 @@ impl<S: Storage> ReadAt for Window<'_, S> {
         let at = match within(*start, bytes) {
             Some(at) => at,
             None => {
-                let len = self.storage.len()?;
+                let len = self.storage.size()?;
                 // Aligned, so that a walk that goes back a little stays inside.
                 *start = offset / self.size * self.size;
                 let end = (*start + 2 * self.size).max(offset + buf.len() as u64).min(len);

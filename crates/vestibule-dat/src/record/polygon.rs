@@ -5,6 +5,7 @@ use crate::primitive::{CompressedForm, Reader, Writer};
 
 /// A polygon with its id, every field as stored.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Polygon {
     /// Key of the polygon in its owner's list.
     pub id: u16,

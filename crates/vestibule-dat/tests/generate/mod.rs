@@ -9,7 +9,7 @@ use vestibule_dat::record::region::*;
 use vestibule_dat::record::*;
 
 /// Random bytes, then zeros.
-pub struct Entropy<'a>(pub &'a [u8]);
+pub(crate) struct Entropy<'a>(pub(crate) &'a [u8]);
 
 impl Entropy<'_> {
     fn u8(&mut self) -> u8 {
@@ -174,7 +174,7 @@ impl Entropy<'_> {
             physics: None,
         });
         let choice = if levels == 0 { 0 } else { self.below(10) };
-        let mut polys = |e: &mut Self| if drawing { e.list(4, Self::u16) } else { vec![] };
+        let polys = |e: &mut Self| if drawing { e.list(4, Self::u16) } else { vec![] };
         nodes[index] = match choice {
             0 => {
                 let physics = (kind == BspKind::Physics).then(|| BspLeafPhysics {
@@ -216,7 +216,7 @@ impl Entropy<'_> {
     }
 
     /// One record of any type that has a layout here.
-    pub fn record(&mut self) -> Record {
+    pub(crate) fn record(&mut self) -> Record {
         match self.below(14) {
             0 => Record::LandBlock(self.land_block()),
             1 => Record::LandBlockInfo(self.land_block_info()),
