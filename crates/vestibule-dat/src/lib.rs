@@ -28,7 +28,8 @@ pub mod primitive;
 pub mod record;
 
 pub use container::{
-    DatFile, DatKind, Entries, Entry, Header, ITERATION_ID, IterationRecord, TRANSACTION_CLEAN,
+    DatBuilder, DatFile, DatKind, Entries, Entry, FileStorage, Header, ITERATION_ID, IterationRecord,
+    NewFile, Storage, TRANSACTION_CLEAN, VerifyReport, WriteOptions, compact,
 };
 pub use dat_set::DatSet;
 pub use data_id::RecordKind;

@@ -94,7 +94,7 @@ impl View {
     }
 
     /// The bytes of a record as stored, borrowed when one block holds them all.
-    fn stored(&self, entry: &Entry) -> Result<Cow<'_, [u8]>, Fault> {
+    pub(crate) fn stored(&self, entry: &Entry) -> Result<Cow<'_, [u8]>, Fault> {
         let (bytes, g) = (self.bytes(), self.geometry());
         if entry.size == 0 {
             return Ok(Cow::Borrowed(&[]));
@@ -210,6 +210,11 @@ impl DatFile {
     pub fn with_limits(mut self, limits: Limits) -> DatFile {
         self.limits = limits;
         self
+    }
+
+    /// The budgets in force.
+    pub fn limits(&self) -> Limits {
+        self.limits
     }
 
     /// The path it was opened by, or the name it was given.
