@@ -1,1 +1,5 @@
-#![doc = "Under construction."]
+//! Makes and checks worlds.
+#![forbid(unsafe_code)]
+
+pub mod bsp;
+pub mod geometry;
