@@ -15,7 +15,7 @@
 //!
 //! let crate_ = Polytope::cuboid(DVec3::ZERO, DVec3::splat(1.0)).ok_or("flat")?;
 //! let polygons: Vec<_> = crate_.faces.iter().map(|f| f.polygon.clone()).collect();
-//! let built = bsp::physics_bsp(&polygons, &[])?;
+//! let built = bsp::physics_bsp(&polygons, &[], &[])?;
 //! assert_eq!(built.pieces.len(), 6); // nothing had to be cut
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -62,7 +62,7 @@ const SPLIT_COST: usize = 8;
 
 /// The best plane to split `polygons` with, out of `candidates`; `forbidden` polygons must not be cut if that can
 /// be helped.
-fn best_splitter<'a>(
+pub(crate) fn best_splitter<'a>(
     candidates: impl Iterator<Item = &'a Plane> + Clone,
     polygons: &[&Polygon],
     forbidden: &[&Polygon],

@@ -21,17 +21,26 @@ pub struct PhysicsBsp {
 /// into the leaf *behind* it, so that the solid leaves of objects hold the polygons around them: the engine takes a
 /// leaf for solid only if it has polygons.
 ///
-/// `hull`: for a cell, its planes facing inwards. What is behind them is not the cell's to judge (the next cell may
+/// `closing`: polygons that are not there but close the surface, such as doorways; they only help to tell what is
+/// solid. `hull`: for a cell, its planes facing inwards. What is behind them is not the cell's to judge (the next cell may
 /// be there), so it is never solid. Empty for objects.
 ///
 /// # Errors
 /// When there are too many polygons, or they need too deep a tree.
-pub fn physics_bsp(polygons: &[Polygon], hull: &[Plane]) -> Result<PhysicsBsp, BspError> {
+pub fn physics_bsp(
+    polygons: &[Polygon],
+    closing: &[Polygon],
+    hull: &[Plane],
+) -> Result<PhysicsBsp, BspError> {
     check_count(polygons.len())?;
     let items = polygons
         .iter()
         .enumerate()
         .map(|(source, polygon)| Item { piece: Piece { source, polygon: polygon.clone() }, used: false })
+        .chain(closing.iter().map(|polygon| Item {
+            piece: Piece { source: CLOSING, polygon: polygon.clone() },
+            used: false,
+        }))
         .collect();
     let sphere = bounding_sphere(polygons.iter().flat_map(|p| p.points.iter().copied()));
     let mut builder = Builder { nodes: Vec::new(), pieces: Vec::new(), leaves: 1, sphere };
@@ -39,6 +48,9 @@ pub fn physics_bsp(polygons: &[Polygon], hull: &[Plane]) -> Result<PhysicsBsp, B
     check_count(builder.pieces.len())?;
     Ok(PhysicsBsp { tree: BspTree { kind: BspKind::Physics, nodes: builder.nodes }, pieces: builder.pieces })
 }
+
+/// `Piece::source` of what only closes the surface.
+const CLOSING: usize = usize::MAX;
 
 struct Item {
     piece: Piece,
@@ -138,7 +150,7 @@ impl Builder {
 
     fn leaf(&mut self, items: Vec<Item>, region: Region) -> Below {
         let first = self.pieces.len();
-        self.pieces.extend(items.into_iter().map(|item| item.piece));
+        self.pieces.extend(items.into_iter().map(|item| item.piece).filter(|p| p.source != CLOSING));
         let polys: Vec<u16> = (first..self.pieces.len()).map(|id| id as u16).collect();
         let points = self.pieces[first..].iter().flat_map(|p| p.polygon.points.iter().copied());
         let sphere = bounding_sphere(points);

@@ -54,10 +54,10 @@ pub fn union_faces(parts: &[Polytope]) -> Vec<Face> {
     out
 }
 
-/// What of a polygon no part of a solid covers or touches from in front.
+/// What of a polygon no part of a solid covers; a polygon in a solid's face, facing either way, is covered.
 pub(crate) fn uncovered(polygon: &Polygon, solids: &[Polytope]) -> Vec<Polygon> {
     solids.iter().fold(vec![polygon.clone()], |pieces, solid| {
-        pieces.iter().flat_map(|p| outside(p, solid, false)).collect()
+        pieces.iter().flat_map(|p| outside(p, solid, true)).collect()
     })
 }
 
@@ -69,7 +69,11 @@ pub(crate) fn inside(polygon: &Polygon, solid: &Polytope) -> Option<Polygon> {
     })
 }
 
-/// Joins parts that touch in a whole face and together are convex; `seam` is the tag of faces made by cutting.
+/// Tag of faces that were made by cutting and may be joined with any other.
+const CUT: u32 = u32::MAX;
+
+/// Joins parts that touch in a whole face and together are convex. Faces in one plane must have the same tag, or
+/// the tag `u32::MAX` (made by cutting).
 pub fn merge_convex(mut parts: Vec<Polytope>) -> Vec<Polytope> {
     'again: loop {
         for i in 0..parts.len() {
@@ -96,10 +100,11 @@ fn join(a: &Polytope, b: &Polytope) -> Option<Polytope> {
     };
     let mut planes = keep(a, touching.0);
     planes.extend(keep(b, touching.1));
+    planes.sort_by_key(|(_, tag)| *tag == CUT);
     let same_tags = planes
         .iter()
         .enumerate()
-        .all(|(k, (p, tag))| planes[..k].iter().all(|(q, other)| !p.same_as(q) || tag == other));
+        .all(|(k, (p, tag))| planes[..k].iter().all(|(q, other)| !p.same_as(q) || tag == other || *tag == CUT));
     let joined = Polytope::from_planes(&planes).filter(|_| same_tags)?;
     let volume = a.volume() + b.volume();
     ((joined.volume() - volume).abs() < 1.0e-6 * volume).then_some(joined)
