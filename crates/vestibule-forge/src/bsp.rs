@@ -87,6 +87,7 @@ pub(crate) fn best_splitter<'a>(
 
 /// A plane as stored.
 fn stored(plane: &Plane) -> primitive::Plane {
+    let plane = plane.tidy();
     primitive::Plane { normal: plane.normal.as_vec3(), d: plane.d as f32 }
 }
 

@@ -27,6 +27,8 @@ pub(crate) struct Hole {
     pub(crate) to: Target,
     /// Position of the opposite hole among the other cell's.
     pub(crate) partner: Option<usize>,
+    /// What is cut out of the wall, if less than the shape: where the two sides of an opening differ.
+    pub(crate) cut: Option<Polygon>,
     /// Both sides have the same shape.
     pub(crate) exact: bool,
     /// Nobody passes: a window.
@@ -132,7 +134,7 @@ impl SiteCells {
         let at = [self.cells[a.0].holes.len(), self.cells[b.0].holes.len()];
         let hole = |face, polygon, to, partner| {
             let (to, partner) = (Target::Cell(to), Some(partner));
-            Hole { span, face, polygon, to, partner, exact: true, pane: false }
+            Hole { span, face, polygon, to, partner, cut: None, exact: true, pane: false }
         };
         let back = polygon.flipped();
         self.cells[a.0].holes.push(hole(a.1, polygon, b.0, at[1]));
@@ -247,7 +249,7 @@ impl SiteCells {
             });
             let Some(other) = other else { continue };
             let to = Target::Cell(other);
-            let hole = Hole { span: link.span, face, polygon, to, partner: None, exact: false, pane: false };
+            let hole = Hole { span: link.span, face, polygon, to, partner: None, cut: None, exact: false, pane: false };
             made.push((cell, self.cells[cell].holes.len(), other, link));
             self.cells[cell].holes.push(hole);
         }
@@ -268,10 +270,11 @@ impl SiteCells {
                 continue;
             };
             let there = &self.cells[other].holes[back].polygon;
-            let overlap = here.intersection(there).filter(|_| here.meets(there)).map_or(0.0, |p| p.area());
+            let shared = here.intersection(there).filter(|_| here.meets(there));
+            let overlap = shared.as_ref().map_or(0.0, |p| p.area());
             let exact = overlap > 0.9999 * here.area() && overlap > 0.9999 * there.area();
             let hole = &mut self.cells[cell].holes[hole];
-            (hole.partner, hole.exact) = (Some(back), exact);
+            (hole.partner, hole.exact, hole.cut) = (Some(back), exact, shared);
         }
     }
 
@@ -345,7 +348,7 @@ impl SiteCells {
             let hole = self.cells[cell].holes.len();
             let (span, pane, to) = (exit.span, exit.pane, Target::Outside(self.shell_holes.len()));
             self.shell_holes.push(ShellHole { polygon: polygon.clone(), cell, hole, pane });
-            self.cells[cell].holes.push(Hole { span, face, polygon, to, partner: None, exact: true, pane });
+            self.cells[cell].holes.push(Hole { span, face, polygon, to, partner: None, cut: None, exact: true, pane });
         }
     }
 }

@@ -18,10 +18,16 @@ pub(crate) struct Painted {
     pub(crate) material: usize,
 }
 
-/// A polygon's points on the grid.
+/// A polygon on the grid of stored coordinates, starting at its least corner, so that equal rooms come out equal
+/// whatever they were cut from.
 pub(crate) fn snapped(polygon: &Polygon) -> Polygon {
-    let points = polygon.points.iter().map(|p| (*p * GRID).round() / GRID).collect();
-    Polygon { points, plane: polygon.plane }
+    let mut points: Vec<DVec3> = polygon.points.iter().map(|p| (*p * GRID).round() / GRID + DVec3::ZERO).collect();
+    let least = |a: &DVec3, b: &DVec3| {
+        a.to_array().partial_cmp(&b.to_array()).unwrap_or(core::cmp::Ordering::Equal)
+    };
+    let first = (0..points.len()).min_by(|&a, &b| least(&points[a], &points[b])).unwrap_or(0);
+    points.rotate_left(first);
+    Polygon { points, plane: polygon.plane.tidy() }
 }
 
 /// Collects the vertices and surfaces of one model or cell structure.

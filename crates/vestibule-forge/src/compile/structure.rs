@@ -38,14 +38,21 @@ fn fixture_parts(room: &RoomDef, pick: impl Fn(&Fixture) -> &[SolidDef]) -> Vec<
     room.fixtures.iter().flat_map(pick).flat_map(|solid| painted(solid, &room.paint, false)).collect()
 }
 
-/// The surface of fixtures inside a cell.
-fn fixture_faces(parts: &[Polytope], space: &Polytope) -> Vec<Painted> {
+/// The surface of fixtures inside a cell, and in its openings: the top of stairs that end in one.
+fn fixture_faces(parts: &[Polytope], cell: &Cell, space: &Polytope, holes: &[Polygon]) -> Vec<Painted> {
     let near: Vec<Polytope> = parts.iter().filter(|p| p.intersection(space).is_some()).cloned().collect();
-    let face = |f: Face| {
-        let material = f.tag as usize;
-        inside(&f.polygon, space).map(|polygon| Painted { polygon, material })
-    };
-    union_faces(&near).into_iter().filter_map(face).collect()
+    let mut out = Vec::new();
+    for Face { polygon, tag } in union_faces(&near) {
+        let material = tag as usize;
+        match space.faces.iter().position(|f| f.polygon.plane.same_as(&polygon.plane)) {
+            Some(k) => {
+                let in_face = (0..holes.len()).filter(|&h| cell.holes[h].face == k);
+                out.extend(in_face.filter_map(|h| polygon.intersection(&holes[h])).map(|p| (p, material)));
+            }
+            None => out.extend(inside(&polygon, space).map(|p| (p, material))),
+        }
+    }
+    out.into_iter().map(|(polygon, material)| Painted { polygon, material }).collect()
 }
 
 /// Builds the structure of a cell in the coordinates of its room.
@@ -62,8 +69,9 @@ pub(crate) fn build_cell(cell: &Cell, room: &RoomDef, sizes: &[f64]) -> Result<B
     let holes: Vec<Polygon> = cell.holes.iter().map(|h| moved(&h.polygon)).collect();
 
     let solids = fixture_parts(room, |f| &f.draw);
-    let mut drawn = walls(cell, &space, &holes, |_| true, &solids);
-    drawn.extend(fixture_faces(&solids, &space));
+    let cuts: Vec<Polygon> = cell.holes.iter().map(|h| moved(h.cut.as_ref().unwrap_or(&h.polygon))).collect();
+    let mut drawn = walls(cell, &space, &cuts, |_| true, &solids);
+    drawn.extend(fixture_faces(&solids, cell, &space, &holes));
     // Portals to cells face inwards (portal side 0), those to the outside outwards (side 1), as retail's do.
     let portals: Vec<Polygon> = cell
         .holes
@@ -77,8 +85,8 @@ pub(crate) fn build_cell(cell: &Cell, room: &RoomDef, sizes: &[f64]) -> Result<B
     let drawing = drawing_bsp(&polygons, &portals)?;
 
     let solids = fixture_parts(room, |f| &f.physics);
-    let mut solid = walls(cell, &space, &holes, |h| !cell.holes[h].pane, &solids);
-    solid.extend(fixture_faces(&solids, &space));
+    let mut solid = walls(cell, &space, &cuts, |h| !cell.holes[h].pane, &solids);
+    solid.extend(fixture_faces(&solids, cell, &space, &holes));
     let solid: Vec<Polygon> = solid.iter().map(|d| snapped(&d.polygon)).collect();
     let inwards = inward_planes(&space);
     let physics = physics_bsp(&solid, &[], &inwards)?;

@@ -55,6 +55,12 @@ impl Plane {
         Plane { normal: -self.normal, d: -self.d }
     }
 
+    /// The plane without the rounding noise of turns: components below 1e-9 are zero.
+    pub fn tidy(&self) -> Self {
+        let tidy = |n: f64| if n.abs() < 1.0e-9 { 0.0 } else { n };
+        Plane { normal: DVec3::from_array(self.normal.to_array().map(tidy)), d: tidy(self.d) }
+    }
+
     /// The plane moved along its normal by `by` metres.
     pub fn moved(&self, by: f64) -> Self {
         Plane { normal: self.normal, d: self.d - by }
