@@ -9,6 +9,7 @@ macro_rules! record_kinds {
     ($($(#[$doc:meta])* $name:ident = $text:literal, $db_type:expr, $ranges:expr;)*) => {
         /// The type of a record. Nothing in a file says it: it follows from the file and the id.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize))]
         #[non_exhaustive]
         pub enum RecordKind {
             $($(#[$doc])* $name,)*

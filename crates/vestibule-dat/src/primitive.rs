@@ -17,6 +17,7 @@ use glam::{Quat, Vec3};
 ///
 /// The quaternion is exactly as stored: nearly, but not always quite, of length 1 (P10). Metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Frame {
     /// Where the frame's own origin lies, metres.
     pub origin: Vec3,
@@ -40,6 +41,7 @@ impl Default for Frame {
 
 /// A plane; the signed distance of a point is `normal · p + d`, metres.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Plane {
     /// Unit normal; points to the front (positive) side.
     pub normal: Vec3,
@@ -49,6 +51,7 @@ pub struct Plane {
 
 /// A sphere, metres.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Sphere {
     /// Centre.
     pub center: Vec3,
@@ -58,6 +61,7 @@ pub struct Sphere {
 
 /// An upright cylinder that collides like one, metres.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct CylSphere {
     /// Centre of the bottom disc.
     pub low_point: Vec3,
@@ -69,6 +73,7 @@ pub struct CylSphere {
 
 /// A colour, `0xAARRGGBB`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Argb(
     /// Alpha in the highest byte, blue in the lowest.
     pub u32,
@@ -98,6 +103,7 @@ impl Argb {
 
 /// A 32-bit boolean, kept as the word that was read: any non-zero word is true (`dat-format.md` D5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Bool32(
     /// The word.
     pub u32,
@@ -118,6 +124,7 @@ impl From<bool> for Bool32 {
 
 /// A string of the "AC1Legacy" kind (P3): bytes in Windows-1252, kept as they are.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct LegacyString {
     /// The characters, one byte each.
     pub bytes: Vec<u8>,
@@ -181,6 +188,7 @@ fn windows_1252_byte(wanted: char) -> Option<u8> {
 /// How many bytes a compressed u32 (P1) takes. A small value may be spelled longer than it needs; a record that is
 /// written back keeps the spelling (D5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum CompressedForm {
     /// One byte: up to 0x7F.
     #[default]
@@ -214,8 +222,19 @@ pub struct KnownTypeId {
     pub long_form: bool,
 }
 
+impl KnownTypeId {
+    /// An id in the spelling that retail's writers give it: the long form from offset 0x4000 up.
+    pub fn new(id: u32, base: u32) -> Self {
+        Self {
+            id,
+            long_form: id.wrapping_sub(base) >= 0x4000,
+        }
+    }
+}
+
 /// The header of a packed hash table (P8): what is kept beside its entries.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct PackedHashTable {
     /// Number of buckets: a hint for look-up, kept but not interpreted.
     pub bucket_count: u16,

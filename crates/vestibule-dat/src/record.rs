@@ -23,12 +23,17 @@ mod degrade_info;
 mod env_cell;
 mod environment;
 mod error;
+#[cfg(test)]
+mod examples;
 mod gfx_obj;
 mod iteration;
 mod land_block;
 mod land_block_info;
+pub mod lint;
+mod load;
 mod palette;
 mod polygon;
+mod references;
 pub mod region;
 mod render_surface;
 mod round_trip;
@@ -50,6 +55,7 @@ pub use land_block::LandBlock;
 pub use land_block_info::{Building, BuildingPortal, LandBlockInfo};
 pub use palette::Palette;
 pub use polygon::{Polygon, Sides, find_polygon};
+pub use references::Reference;
 pub use region::Region;
 pub use render_surface::{PixelFormat, RenderSurface};
 pub use round_trip::{RoundTrip, round_trip};
@@ -110,6 +116,15 @@ fn write_record<T: DatRecord>(record: &T, id: u32) -> Result<(Vec<u8>, Vec<Range
     Ok(writer.finish())
 }
 
+/// Serialises an array that is too long for serde's own implementations.
+#[cfg(feature = "serde")]
+pub(crate) fn serialize_array<T: serde::Serialize, S: serde::Serializer, const N: usize>(
+    array: &[T; N],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serde::Serialize::serialize(array.as_slice(), serializer)
+}
+
 /// Gives a record type `parse` and `encode` of its own.
 macro_rules! inherent_parse_and_encode {
     ($name:ident) => {
@@ -138,6 +153,7 @@ macro_rules! any_record {
     ($($(#[$doc:meta])* $name:ident($type:ty);)*) => {
         /// Any record.
         #[derive(Debug, Clone, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize))]
         #[non_exhaustive]
         pub enum Record {
             $($(#[$doc])* $name($type),)*

@@ -58,7 +58,10 @@ pub fn adjust_position(
         let q = position.frame.local_to_global(low_point);
         if let Some(found) = find_visible_child_cell(world, start, q, search_cells) {
             return Some(AdjustedPosition {
-                position: Position { cell: found.id, frame: position.frame },
+                position: Position {
+                    cell: found.id,
+                    frame: position.frame,
+                },
                 resident: true,
             });
         }
@@ -67,5 +70,8 @@ pub fn adjust_position(
         }
     }
     let position = position.adjusted_to_outside()?;
-    Some(AdjustedPosition { resident: world.is_resident(position.cell), position })
+    Some(AdjustedPosition {
+        resident: world.is_resident(position.cell),
+        position,
+    })
 }

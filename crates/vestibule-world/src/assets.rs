@@ -12,6 +12,7 @@ use crate::error::{LoadProblem, ProblemKind};
 use crate::frame::Frame;
 use crate::geometry::Sphere;
 use crate::shape::{Model, Shape, ShapePart};
+use crate::source::Store;
 use crate::world::World;
 
 /// Compiled records by id. Only loading looks in here.
@@ -42,12 +43,17 @@ impl World {
     /// Reads and parses a record that `needed_by` refers to; problems are reported and answer `None`.
     pub(crate) fn parse<T>(
         &self,
+        store: Store,
         id: u32,
         needed_by: u32,
         parse: impl FnOnce(u32, &[u8]) -> Result<T, record::RecordError>,
     ) -> Option<T> {
-        let problem = |kind| LoadProblem { file: self.source().file_of(id), id, kind };
-        match self.source().record(id) {
+        let problem = |kind| LoadProblem {
+            file: self.source().file_of(store, id),
+            id,
+            kind,
+        };
+        match self.source().record(store, id) {
             Ok(Some(bytes)) => parse(id, &bytes)
                 .map_err(|e| self.report(problem(ProblemKind::Unreadable(e.to_string()))))
                 .ok(),
@@ -65,7 +71,8 @@ impl World {
     /// The model of a GfxObj record (0x01…).
     pub fn model(&self, id: u32, needed_by: u32) -> Option<Arc<Model>> {
         cached(&self.assets.models, id, || {
-            self.parse(id, needed_by, record::GfxObj::parse).map(|record| compile::model(id, &record))
+            self.parse(Store::Portal, id, needed_by, record::GfxObj::parse)
+                .map(|record| compile::model(id, &record))
         })
     }
 
@@ -73,7 +80,9 @@ impl World {
     pub fn shape(&self, id: u32, needed_by: u32) -> Option<Arc<Shape>> {
         cached(&self.assets.shapes, id, || match id >> 24 {
             0x01 => Some(self.one_part_shape(id, needed_by)),
-            _ => self.parse(id, needed_by, record::Setup::parse).map(|setup| self.setup_shape(id, &setup)),
+            _ => self
+                .parse(Store::Portal, id, needed_by, record::Setup::parse)
+                .map(|setup| self.setup_shape(id, &setup)),
         })
     }
 
@@ -83,7 +92,13 @@ impl World {
         Shape {
             id,
             has_physics_bsp: model.as_ref().is_some_and(|m| m.physics.is_some()),
-            parts: [ShapePart { model, model_id: id, frame: Frame::IDENTITY, scale: Vec3::ONE }].into(),
+            parts: [ShapePart {
+                model,
+                model_id: id,
+                frame: Frame::IDENTITY,
+                scale: Vec3::ONE,
+            }]
+            .into(),
             cylspheres: [].into(),
             spheres: [].into(),
             allow_free_heading: true,
@@ -105,13 +120,23 @@ impl World {
             .map(|(i, &model_id)| ShapePart {
                 model: self.model(model_id, id),
                 model_id,
-                frame: pose.and_then(|p| p.frames.get(i)).map(Frame::from).unwrap_or_default(),
-                scale: setup.default_scales.as_ref().and_then(|s| s.get(i)).copied().unwrap_or(Vec3::ONE),
+                frame: pose
+                    .and_then(|p| p.frames.get(i))
+                    .map(Frame::from)
+                    .unwrap_or_default(),
+                scale: setup
+                    .default_scales
+                    .as_ref()
+                    .and_then(|s| s.get(i))
+                    .copied()
+                    .unwrap_or(Vec3::ONE),
             })
             .collect();
         Shape {
             id,
-            has_physics_bsp: parts.iter().any(|p| p.model.as_ref().is_some_and(|m| m.physics.is_some())),
+            has_physics_bsp: parts
+                .iter()
+                .any(|p| p.model.as_ref().is_some_and(|m| m.physics.is_some())),
             parts,
             cylspheres: setup.cyl_spheres.iter().map(Into::into).collect(),
             spheres: setup.spheres.iter().map(Sphere::from).collect(),
@@ -128,11 +153,15 @@ impl World {
     /// A cell structure of an Environment record (0x0D…).
     pub(crate) fn cell_struct(&self, environment: u32, key: u16, cell: u32) -> Option<Arc<CellStruct>> {
         cached(&self.assets.structs, (environment, key), || {
-            let record = self.parse(environment, cell, record::Environment::parse)?;
+            let record = self.parse(Store::Portal, environment, cell, record::Environment::parse)?;
             let found = record.cell_struct(u32::from(key));
             if found.is_none() {
                 let kind = ProblemKind::NoCellStruct { environment, key };
-                self.report(LoadProblem { file: self.source().file_of(cell), id: cell, kind });
+                self.report(LoadProblem {
+                    file: self.source().file_of(Store::Cell, cell),
+                    id: cell,
+                    kind,
+                });
             }
             Some(compile::cell_struct(environment, key, found?))
         })

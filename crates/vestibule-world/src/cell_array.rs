@@ -24,7 +24,11 @@ pub struct CellArray {
 
 impl Default for CellArray {
     fn default() -> Self {
-        CellArray { entries: Vec::with_capacity(32), added_outside: false, do_not_load_cells: false }
+        CellArray {
+            entries: Vec::with_capacity(32),
+            added_outside: false,
+            do_not_load_cells: false,
+        }
     }
 }
 

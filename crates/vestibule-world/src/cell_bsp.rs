@@ -28,7 +28,10 @@ impl CellBsp {
     /// A chain of planes, inside where all are positive. `ends_in_leaf`: the last positive child is a LEAF
     /// record rather than absent, which only [`CellBsp::sphere`] can tell.
     pub fn new(planes: Vec<Plane>, ends_in_leaf: bool) -> Self {
-        CellBsp { planes: planes.into(), ends_in_leaf }
+        CellBsp {
+            planes: planes.into(),
+            ends_in_leaf,
+        }
     }
 
     /// The planes, from the root down.
@@ -56,7 +59,11 @@ impl CellBsp {
             // The nodes below a straddled plane can still answer Outside, never Entirely.
             straddles |= dist < radius;
         }
-        if straddles { Inside::Partially } else { Inside::Entirely }
+        if straddles {
+            Inside::Partially
+        } else {
+            Inside::Entirely
+        }
     }
 
     /// Whether a sphere touches the cell (`world.md` 9.2: all that callers ask).
@@ -68,7 +75,10 @@ impl CellBsp {
 
     /// Whether a box, given by its corners in cell coordinates, may touch the cell (`world.md` 9.3).
     pub fn meets_box(&self, corners: &[Vec3; 8]) -> bool {
-        !self.planes.iter().any(|plane| corners.iter().all(|&c| plane.dist(c) < -EPSILON))
+        !self
+            .planes
+            .iter()
+            .any(|plane| corners.iter().all(|&c| plane.dist(c) < -EPSILON))
     }
 }
 
@@ -79,7 +89,10 @@ mod tests {
 
     /// The tree of `dat-format.md` 12.17: 0 <= z <= 3.
     fn slab(ends_in_leaf: bool) -> CellBsp {
-        let plane = |z: f32, d: f32| Plane { normal: Vec3::new(0.0, 0.0, z), d };
+        let plane = |z: f32, d: f32| Plane {
+            normal: Vec3::new(0.0, 0.0, z),
+            d,
+        };
         CellBsp::new(vec![plane(1.0, 0.0), plane(-1.0, 3.0)], ends_in_leaf)
     }
 
@@ -99,7 +112,10 @@ mod tests {
     #[test]
     fn example_22_26_boxes() {
         let meets = |lo: f32, hi: f32| {
-            let b = BoundingBox { min: Vec3::new(-1.0, -1.0, lo), max: Vec3::new(1.0, 1.0, hi) };
+            let b = BoundingBox {
+                min: Vec3::new(-1.0, -1.0, lo),
+                max: Vec3::new(1.0, 1.0, hi),
+            };
             slab(true).meets_box(&b.corners())
         };
         assert!(!meets(-2.0, -0.1));

@@ -19,7 +19,10 @@ impl From<&primitive::Frame> for Frame {
 
 impl From<&primitive::Plane> for Plane {
     fn from(p: &primitive::Plane) -> Self {
-        Plane { normal: p.normal, d: p.d }
+        Plane {
+            normal: p.normal,
+            d: p.d,
+        }
     }
 }
 
@@ -31,7 +34,11 @@ impl From<&primitive::Sphere> for Sphere {
 
 impl From<&primitive::CylSphere> for CylSphere {
     fn from(c: &primitive::CylSphere) -> Self {
-        CylSphere { low_point: c.low_point, radius: c.radius, height: c.height }
+        CylSphere {
+            low_point: c.low_point,
+            radius: c.radius,
+            height: c.height,
+        }
     }
 }
 
@@ -130,13 +137,7 @@ pub fn physics_bsp(tree: &record::BspTree, polygons: PolygonSet) -> Option<Physi
             });
         }
     }
-    Some(PhysicsBsp {
-        root,
-        nodes: nodes.into(),
-        leaves: leaves.into(),
-        leaf_polygons: leaf_polygons.into(),
-        polygons,
-    })
+    Some(PhysicsBsp::new(root, nodes, leaves, &leaf_polygons, polygons))
 }
 
 /// Compiles a cell structure.
@@ -146,7 +147,10 @@ pub fn cell_struct(environment: u32, key: u16, record: &record::CellStruct) -> C
         environment,
         key,
         cell_bsp: cell_bsp(&record.cell_bsp),
-        physics: physics_bsp(&record.physics_bsp, polygon_set(vertices, &record.physics_polygons)),
+        physics: physics_bsp(
+            &record.physics_bsp,
+            polygon_set(vertices, &record.physics_polygons),
+        ),
         polygons: polygon_set(vertices, &record.polygons),
         portal_polygons: record.portals.as_slice().into(),
         bounds: BoundingBox::of(vertices.iter().map(|v| v.origin)),
@@ -160,13 +164,20 @@ pub fn model(id: u32, record: &record::GfxObj) -> Model {
         .physics
         .as_ref()
         .and_then(|part| physics_bsp(&part.bsp, polygon_set(vertices, &part.polygons)));
-    let polygons = record.drawing.as_ref().map(|d| polygon_set(vertices, &d.polygons)).unwrap_or_default();
+    let polygons = record
+        .drawing
+        .as_ref()
+        .map(|d| polygon_set(vertices, &d.polygons))
+        .unwrap_or_default();
     let mut apertures: Vec<Aperture> = Vec::new();
     for node in record.drawing.iter().flat_map(|d| &d.bsp.nodes) {
         if let record::BspNode::Portal { portal_polys, .. } = node {
             for &(polygon, portal) in portal_polys {
                 if let Some(index) = polygons.index_of(polygon) {
-                    apertures.push(Aperture { polygon: index as u32, portal });
+                    apertures.push(Aperture {
+                        polygon: index as u32,
+                        portal,
+                    });
                 }
             }
         }
@@ -177,8 +188,10 @@ pub fn model(id: u32, record: &record::GfxObj) -> Model {
         physics_sphere: physics.as_ref().and_then(PhysicsBsp::sphere),
         physics,
         drawing_sphere: record.drawing.as_ref().map(|d| (&d.bsp.bounding_sphere()).into()),
-        bounds: BoundingBox::of(vertices.iter().map(|v| v.origin))
-            .unwrap_or(BoundingBox { min: Vec3::ZERO, max: Vec3::ZERO }),
+        bounds: BoundingBox::of(vertices.iter().map(|v| v.origin)).unwrap_or(BoundingBox {
+            min: Vec3::ZERO,
+            max: Vec3::ZERO,
+        }),
         polygons,
         apertures: apertures.into(),
     }

@@ -86,18 +86,27 @@ impl EnvCell {
     /// `world.md` P3-P4). A cell without portals contains no point.
     #[inline]
     pub fn contains_point(&self, q: Vec3) -> bool {
-        !self.portals.is_empty() && self.structure.cell_bsp.contains_point(self.frame.global_to_local(q))
+        !self.portals.is_empty()
+            && self
+                .structure
+                .cell_bsp
+                .contains_point(self.frame.global_to_local(q))
     }
 
     /// The portal that had position `index` in the record, which is how other cells and buildings name it.
     pub fn portal(&self, index: u16) -> Option<&CellPortal> {
-        let guess = self.portals.get(usize::from(index)).filter(|p| p.record_index == index);
+        let guess = self
+            .portals
+            .get(usize::from(index))
+            .filter(|p| p.record_index == index);
         guess.or_else(|| self.portals.iter().find(|p| p.record_index == index))
     }
 
     /// Vertices of a portal's polygon, cell-local metres.
     pub fn portal_vertices(&self, portal: &CellPortal) -> &[Vec3] {
         let polygons = &self.structure.polygons;
-        polygons.get(portal.polygon as usize).map_or(&[], |p| polygons.vertices(p))
+        polygons
+            .get(portal.polygon as usize)
+            .map_or(&[], |p| polygons.vertices(p))
     }
 }

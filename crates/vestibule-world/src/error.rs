@@ -78,7 +78,9 @@ pub enum ProblemKind {
         block: BlockId,
     },
     /// A second building on one land cell (`world.md` C2).
-    #[error("building {index} shares land cell 0x{cell:08X} with another: only the first is found from there")]
+    #[error(
+        "building {index} shares land cell 0x{cell:08X} with another: only the first is found from there"
+    )]
     SecondBuilding {
         /// Index of the later building.
         index: u32,

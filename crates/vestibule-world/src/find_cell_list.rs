@@ -57,11 +57,9 @@ pub fn find_cell_list(
             }
             i += 1;
         }
-        if want_cell {
-            if let Some(cell) = containing_cell(world, seed, spheres, array) {
-                list.hits_interior |= cell.is_indoor();
-                list.containing = Some(cell);
-            }
+        if want_cell && let Some(cell) = containing_cell(world, seed, spheres, array) {
+            list.hits_interior |= cell.is_indoor();
+            list.containing = Some(cell);
         }
     }
     if array.do_not_load_cells && seed.is_indoor() && visible {
@@ -82,7 +80,14 @@ pub fn find_cell_list_of_cylspheres(
     for (sphere, cyl) in spheres.iter_mut().zip(cylspheres) {
         *sphere = Sphere::new(position.frame.local_to_global(cyl.low_point), cyl.radius);
     }
-    find_cell_list(world, position.cell, position.origin(), &spheres[..count], array, false)
+    find_cell_list(
+        world,
+        position.cell,
+        position.origin(),
+        &spheres[..count],
+        array,
+        false,
+    )
 }
 
 /// First containing env cell, else last containing land cell, in array order (`world.md` 13.4b).

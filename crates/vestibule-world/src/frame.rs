@@ -23,17 +23,27 @@ impl Default for Frame {
 
 impl Frame {
     /// No displacement, no rotation.
-    pub const IDENTITY: Frame =
-        Frame { origin: Vec3::ZERO, rotation: Quat::IDENTITY, rows: [Vec3::X, Vec3::Y, Vec3::Z] };
+    pub const IDENTITY: Frame = Frame {
+        origin: Vec3::ZERO,
+        rotation: Quat::IDENTITY,
+        rows: [Vec3::X, Vec3::Y, Vec3::Z],
+    };
 
     /// A frame from its parts; the quaternion is used as it is, not normalised.
     pub fn new(origin: Vec3, rotation: Quat) -> Self {
-        Frame { origin, rotation, rows: rows(rotation) }
+        Frame {
+            origin,
+            rotation,
+            rows: rows(rotation),
+        }
     }
 
     /// An unrotated frame.
     pub fn at(origin: Vec3) -> Self {
-        Frame { origin, ..Frame::IDENTITY }
+        Frame {
+            origin,
+            ..Frame::IDENTITY
+        }
     }
 
     /// The quaternion that rotates local to enclosing vectors.
@@ -87,7 +97,10 @@ impl Frame {
     /// `inner`, given in this frame, expressed in the enclosing one; the product is renormalised
     /// (`transition.md` 1.4.3, retail `combine`).
     pub fn combine(&self, inner: &Frame) -> Frame {
-        Frame::new(self.local_to_global(inner.origin), normalise(self.rotation * inner.rotation))
+        Frame::new(
+            self.local_to_global(inner.origin),
+            normalise(self.rotation * inner.rotation),
+        )
     }
 
     /// Whether every number is finite.
@@ -110,9 +123,21 @@ pub fn normalise(q: Quat) -> Quat {
 fn rows(q: Quat) -> [Vec3; 3] {
     let (w, x, y, z) = (q.w, q.x, q.y, q.z);
     [
-        Vec3::new(1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)),
-        Vec3::new(2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)),
-        Vec3::new(2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)),
+        Vec3::new(
+            1.0 - 2.0 * (y * y + z * z),
+            2.0 * (x * y + w * z),
+            2.0 * (x * z - w * y),
+        ),
+        Vec3::new(
+            2.0 * (x * y - w * z),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z + w * x),
+        ),
+        Vec3::new(
+            2.0 * (x * z + w * y),
+            2.0 * (y * z - w * x),
+            1.0 - 2.0 * (x * x + y * y),
+        ),
     ]
 }
 

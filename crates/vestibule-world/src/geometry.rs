@@ -27,7 +27,10 @@ pub enum Side {
 impl Plane {
     /// The plane through `point` with normal `normal`.
     pub fn through(normal: Vec3, point: Vec3) -> Self {
-        Plane { normal, d: -normal.dot(point) }
+        Plane {
+            normal,
+            d: -normal.dot(point),
+        }
     }
 
     /// Signed distance of a point, metres.
@@ -52,7 +55,9 @@ impl Plane {
 
     /// The plane of a polygon, in the arithmetic order of `dat-format.md` G4. Zero normal when degenerate.
     pub fn of_polygon(vertices: &[Vec3]) -> Self {
-        let Some(&first) = vertices.first() else { return Plane::default() };
+        let Some(&first) = vertices.first() else {
+            return Plane::default();
+        };
         let mut normal = Vec3::ZERO;
         for pair in vertices.windows(2).skip(1) {
             normal += (pair[0] - first).cross(pair[1] - first);
@@ -66,7 +71,10 @@ impl Plane {
         for v in vertices {
             sum += normal.dot(*v);
         }
-        Plane { normal, d: -(sum / vertices.len() as f32) }
+        Plane {
+            normal,
+            d: -(sum / vertices.len() as f32),
+        }
     }
 }
 
@@ -111,7 +119,10 @@ impl BoundingBox {
     pub fn of(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
         let mut points = points.into_iter();
         let first = points.next()?;
-        let mut out = BoundingBox { min: first, max: first };
+        let mut out = BoundingBox {
+            min: first,
+            max: first,
+        };
         for p in points {
             out.grow(p);
         }
@@ -122,10 +133,16 @@ impl BoundingBox {
     pub fn grow(&mut self, p: Vec3) {
         let lower = |a: f32, b: f32| if b < a { b } else { a };
         let upper = |a: f32, b: f32| if b > a { b } else { a };
-        self.min =
-            Vec3::new(lower(self.min.x, p.x), lower(self.min.y, p.y), lower(self.min.z, p.z));
-        self.max =
-            Vec3::new(upper(self.max.x, p.x), upper(self.max.y, p.y), upper(self.max.z, p.z));
+        self.min = Vec3::new(
+            lower(self.min.x, p.x),
+            lower(self.min.y, p.y),
+            lower(self.min.z, p.z),
+        );
+        self.max = Vec3::new(
+            upper(self.max.x, p.x),
+            upper(self.max.y, p.y),
+            upper(self.max.z, p.z),
+        );
     }
 
     /// The eight corners.
@@ -146,7 +163,10 @@ impl BoundingBox {
     /// The box around this box after `map` moved its corners (`world.md` Q2: the true hull of all eight).
     pub fn mapped(&self, map: impl Fn(Vec3) -> Vec3) -> Self {
         let corners = self.corners();
-        let mut out = BoundingBox { min: map(corners[0]), max: map(corners[0]) };
+        let mut out = BoundingBox {
+            min: map(corners[0]),
+            max: map(corners[0]),
+        };
         for c in &corners[1..] {
             out.grow(map(*c));
         }

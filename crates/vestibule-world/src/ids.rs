@@ -88,7 +88,10 @@ impl CellId {
         }
         let cell = i32::from(self.low()) - 1;
         let base = self.block().corner();
-        Some(LandCoord { x: base.x + (cell >> 3), y: base.y + (cell & 7) })
+        Some(LandCoord {
+            x: base.x + (cell >> 3),
+            y: base.y + (cell & 7),
+        })
     }
 
     /// The land cell that contains the landblock-frame point `p`, whose coordinates may lie outside the block
@@ -131,7 +134,11 @@ impl CellId {
 #[inline]
 fn floor_cells(metres: f32) -> Option<i32> {
     let cells = libm::floorf(metres / SQUARE_LENGTH);
-    if cells.abs() < 1.0e7 { Some(cells as i32) } else { None }
+    if cells.abs() < 1.0e7 {
+        Some(cells as i32)
+    } else {
+        None
+    }
 }
 
 impl BlockId {
@@ -161,7 +168,10 @@ impl BlockId {
     /// test: see [`BlockId::is_on_map`]).
     #[inline]
     pub const fn corner(self) -> LandCoord {
-        LandCoord { x: self.x() as i32 * BLOCK_SIDE_CELLS, y: self.y() as i32 * BLOCK_SIDE_CELLS }
+        LandCoord {
+            x: self.x() as i32 * BLOCK_SIDE_CELLS,
+            y: self.y() as i32 * BLOCK_SIDE_CELLS,
+        }
     }
 
     /// Id of the block's LandBlock record.
@@ -203,7 +213,8 @@ impl LandCoord {
 
     /// The landblock here (retail `get_block_gid`), `None` off the map.
     pub fn block(self) -> Option<BlockId> {
-        self.in_bounds().map(|c| BlockId::new((c.x >> 3) as u8, (c.y >> 3) as u8))
+        self.in_bounds()
+            .map(|c| BlockId::new((c.x >> 3) as u8, (c.y >> 3) as u8))
     }
 }
 
@@ -215,7 +226,11 @@ pub fn block_offset(a: BlockId, b: BlockId) -> Vec3 {
         return Vec3::ZERO;
     }
     let (from, to) = (a.corner(), b.corner());
-    Vec3::new((to.x - from.x) as f32 * SQUARE_LENGTH, (to.y - from.y) as f32 * SQUARE_LENGTH, 0.0)
+    Vec3::new(
+        (to.x - from.x) as f32 * SQUARE_LENGTH,
+        (to.y - from.y) as f32 * SQUARE_LENGTH,
+        0.0,
+    )
 }
 
 impl fmt::Display for CellId {
@@ -254,13 +269,19 @@ impl FromStr for CellId {
 
     /// Reads `0xA9B40170` or `A9B40170`.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")).unwrap_or(text);
-        if digits.len() == 8 && digits.bytes().all(|b| b.is_ascii_hexdigit()) {
-            if let Ok(id) = u32::from_str_radix(digits, 16) {
-                return Ok(CellId(id));
-            }
+        let digits = text
+            .strip_prefix("0x")
+            .or_else(|| text.strip_prefix("0X"))
+            .unwrap_or(text);
+        if digits.len() == 8
+            && digits.bytes().all(|b| b.is_ascii_hexdigit())
+            && let Ok(id) = u32::from_str_radix(digits, 16)
+        {
+            return Ok(CellId(id));
         }
-        Err(ParseCellIdError { text: text.to_owned() })
+        Err(ParseCellIdError {
+            text: text.to_owned(),
+        })
     }
 }
 
@@ -317,9 +338,18 @@ mod tests {
         assert_eq!(adjust(0xA9B4_0001, -0.5, 5.0), Some((0xA8B4_0039, 191.5, 5.0)));
         assert_eq!(adjust(0xA9B4_0001, -0.0001, 5.0), Some((0xA9B4_0001, 0.0, 5.0)));
         assert_eq!(adjust(0xA9B4_0001, 192.0, 0.0), Some((0xAAB4_0001, 0.0, 0.0)));
-        assert_eq!(adjust(0xA9B4_0001, 191.999, 191.999), Some((0xA9B4_0040, 191.999, 191.999)));
-        assert_eq!(adjust(0xA9B4_0170, 155.343, 15.134), Some((0xA9B4_0031, 155.343, 15.134)));
-        assert_eq!(adjust(0xA9B4_0100, -30.0, -200.0), Some((0xA8B2_0038, 162.0, 184.0)));
+        assert_eq!(
+            adjust(0xA9B4_0001, 191.999, 191.999),
+            Some((0xA9B4_0040, 191.999, 191.999))
+        );
+        assert_eq!(
+            adjust(0xA9B4_0170, 155.343, 15.134),
+            Some((0xA9B4_0031, 155.343, 15.134))
+        );
+        assert_eq!(
+            adjust(0xA9B4_0100, -30.0, -200.0),
+            Some((0xA8B2_0038, 162.0, 184.0))
+        );
         assert_eq!(adjust(0x0000_0001, -1.0, 5.0), None);
         assert_eq!(adjust(0x00FE_0001, 10.0, 192.0), None);
         assert_eq!(adjust(0xFE01_0008, 191.9, 200.0), Some((0xFE02_0039, 191.9, 8.0)));

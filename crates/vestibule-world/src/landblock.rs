@@ -77,7 +77,10 @@ impl Landblock {
     pub fn land_cells(&self) -> impl Iterator<Item = (CellId, &LandCell)> {
         let id = self.id;
         let cells = self.land.as_ref().map_or(&[][..], |land| &land.cells);
-        cells.iter().zip(1u16..).map(move |(cell, low)| (CellId::new(id, low), cell))
+        cells
+            .iter()
+            .zip(1u16..)
+            .map(move |(cell, low)| (CellId::new(id, low), cell))
     }
 
     /// The building registered with a land cell.
@@ -90,7 +93,12 @@ impl Landblock {
     /// Every env cell named by a portal of a building, in order of first occurrence (`world.md` C4).
     pub fn stab_list(&self) -> Vec<CellId> {
         let mut out = Vec::new();
-        for id in self.buildings.iter().flat_map(|b| &b.portals).flat_map(|p| &p.stab_list) {
+        for id in self
+            .buildings
+            .iter()
+            .flat_map(|b| &b.portals)
+            .flat_map(|p| &p.stab_list)
+        {
             if !out.contains(id) {
                 out.push(*id);
             }

@@ -42,14 +42,17 @@ mod geometry;
 pub mod ids;
 mod landblock;
 mod load;
+pub mod lscape;
 mod physics_bsp;
 mod polygon;
 mod position;
 mod region;
+pub mod scenery;
 mod shadow;
 mod shape;
 mod source;
 pub mod terrain;
+pub mod texture_code;
 pub mod transit;
 mod transit_parts;
 mod world;
@@ -59,24 +62,18 @@ pub use cell_array::{CellArray, CellEntry};
 pub use cell_bsp::{CellBsp, Inside};
 pub use env_cell::{CellPortal, CellStruct, EnvCell, PortalTarget};
 pub use error::{LoadProblem, ProblemKind, WorldError};
-pub use find_cell_list::{
-    CellList, MAX_CELL_LIST_CYLSPHERES, find_cell_list, find_cell_list_of_cylspheres,
-};
+pub use find_cell_list::{CellList, MAX_CELL_LIST_CYLSPHERES, find_cell_list, find_cell_list_of_cylspheres};
 pub use frame::{Frame, normalise};
 pub use geometry::{BoundingBox, CylSphere, Plane, Side, Sphere};
 pub use ids::{BlockId, CellId, LandCoord, ParseCellIdError};
 pub use landblock::{LAND_CELLS, Land, Landblock};
-pub use physics_bsp::{Child, ChildKind, PhysicsBsp, PhysicsLeaf, PhysicsNode};
+pub use physics_bsp::{Child, ChildKind, Face, FaceEdge, PhysicsBsp, PhysicsLeaf, PhysicsNode};
 pub use polygon::{Polygon, PolygonSet};
-pub use position::{
-    MapCoordinates, ParseMapCoordinatesError, ParsePositionError, Position, heading_of,
-};
+pub use position::{MapCoordinates, ParseMapCoordinatesError, ParsePositionError, Position, heading_of};
 pub use region::{REGION_RECORD, Region};
 pub use shadow::{ShadowLists, calc_cross_cells_static, part_bounds};
-pub use shape::{
-    Aperture, Building, BuildingPortal, Model, Shape, ShapePart, StaticObject, StaticRef,
-};
-pub use source::{MemoryRecords, RecordSource, SourceError};
+pub use shape::{Aperture, Building, BuildingPortal, Model, Shape, ShapePart, StaticObject, StaticRef};
+pub use source::{MemoryRecords, RecordSource, SourceError, Store};
 pub use terrain::{LandCell, Split, TerrainPolygon, TerrainWord, Water};
 pub use transit_parts::{PartBounds, find_bbox_cell_list};
 pub use world::{Ground, World, WorldSettings, is_over_block};

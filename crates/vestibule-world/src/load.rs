@@ -12,6 +12,7 @@ use crate::ids::{BlockId, CellId};
 use crate::landblock::{Land, Landblock};
 use crate::region::Region;
 use crate::shape::{Building, BuildingPortal, StaticObject};
+use crate::source::Store;
 use crate::terrain::{TerrainWord, block_water, build_land_cells};
 use crate::world::World;
 
@@ -19,14 +20,17 @@ use crate::world::World;
 pub(crate) fn landblock(world: &World, id: BlockId) -> Option<Landblock> {
     let loader = Loader { world, id };
     let record_id = id.land_block_record();
-    let land_record = match world.source().record(record_id) {
+    let land_record = match world.source().record(Store::Cell, record_id) {
         Ok(None) => None,
-        _ => world.parse(record_id, record_id, record::LandBlock::parse),
+        _ => world.parse(Store::Cell, record_id, record_id, record::LandBlock::parse),
     };
     let has_objects = land_record.as_ref().is_some_and(|r| r.has_objects.is_true());
     let info = if has_objects { loader.info() } else { None };
     let mut land = land_record.map(|r| loader.land(&r));
-    let buildings = info.as_ref().map(|i| loader.buildings(i, land.as_mut())).unwrap_or_default();
+    let buildings = info
+        .as_ref()
+        .map(|i| loader.buildings(i, land.as_mut()))
+        .unwrap_or_default();
     let mut statics = info.as_ref().map(|i| loader.land_statics(i)).unwrap_or_default();
     let land_statics = statics.len() as u32;
     let env_cells: Box<[_]> = match &info {
@@ -36,10 +40,11 @@ pub(crate) fn landblock(world: &World, id: BlockId) -> Option<Landblock> {
     if let (Some(info), Some(land)) = (&info, &mut land) {
         for &(cell, object) in info.restrictions.iter().flat_map(|t| &t.entries) {
             let cell = CellId(cell);
-            if cell.block() == id && cell.is_land_cell() {
-                if let Some(cell) = land.cells.get_mut(usize::from(cell.low()) - 1) {
-                    cell.restriction = Some(object);
-                }
+            if cell.block() == id
+                && cell.is_land_cell()
+                && let Some(cell) = land.cells.get_mut(usize::from(cell.low()) - 1)
+            {
+                cell.restriction = Some(object);
             }
         }
     }
@@ -66,16 +71,25 @@ struct Loader<'w> {
 
 impl Loader<'_> {
     fn report(&self, id: u32, kind: ProblemKind) {
-        self.world.report(LoadProblem { file: self.world.source().file_of(id), id, kind });
+        self.world.report(LoadProblem {
+            file: self.world.source().file_of(Store::Cell, id),
+            id,
+            kind,
+        });
     }
 
     fn info(&self) -> Option<record::LandBlockInfo> {
         let id = self.id.info_record();
-        if let Ok(None) = self.world.source().record(id) {
+        if let Ok(None) = self.world.source().record(Store::Cell, id) {
             self.report(self.id.land_block_record(), ProblemKind::NoInfo);
             return None;
         }
-        self.world.parse(id, self.id.land_block_record(), record::LandBlockInfo::parse)
+        self.world.parse(
+            Store::Cell,
+            id,
+            self.id.land_block_record(),
+            record::LandBlockInfo::parse,
+        )
     }
 
     fn land(&self, record: &record::LandBlock) -> Land {
@@ -86,8 +100,14 @@ impl Loader<'_> {
         }
         let words = Box::new(record.terrain.map(TerrainWord));
         let cells = build_land_cells(self.id.corner(), &heights, &words);
-        let lowest = heights.iter().copied().fold(f32::INFINITY, |a, b| if b < a { b } else { a });
-        let highest = heights.iter().copied().fold(f32::NEG_INFINITY, |a, b| if b > a { b } else { a });
+        let lowest = heights
+            .iter()
+            .copied()
+            .fold(f32::INFINITY, |a, b| if b < a { b } else { a });
+        let highest = heights
+            .iter()
+            .copied()
+            .fold(f32::NEG_INFINITY, |a, b| if b > a { b } else { a });
         Land {
             water: block_water(&cells),
             cells: cells.into(),
@@ -112,14 +132,23 @@ impl Loader<'_> {
                 continue;
             }
             let Some(cell) = self.land_cell_of(frame.origin) else {
-                let kind = ProblemKind::OutsideBlock { what: "building", index, block: self.id };
+                let kind = ProblemKind::OutsideBlock {
+                    what: "building",
+                    index,
+                    block: self.id,
+                };
                 self.report(info.id, kind);
                 continue;
             };
-            let Some(shape) = self.world.shape(record.model_id, info.id) else { continue };
-            let Ok(position) = u16::try_from(out.len()) else { break };
-            if let Some(land_cell) =
-                land.as_mut().and_then(|land| land.cells.get_mut(usize::from(cell.low()) - 1))
+            let Some(shape) = self.world.shape(record.model_id, info.id) else {
+                continue;
+            };
+            let Ok(position) = u16::try_from(out.len()) else {
+                break;
+            };
+            if let Some(land_cell) = land
+                .as_mut()
+                .and_then(|land| land.cells.get_mut(usize::from(cell.low()) - 1))
             {
                 if land_cell.building.is_some() {
                     self.report(info.id, ProblemKind::SecondBuilding { index, cell: cell.0 });
@@ -129,7 +158,14 @@ impl Loader<'_> {
             }
             let portals = record.portals.iter().map(|p| self.building_portal(p)).collect();
             let part_frames = shape.parts.iter().map(|p| frame.combine(&p.frame)).collect();
-            out.push(Building { model_id: record.model_id, shape, frame, part_frames, cell, portals });
+            out.push(Building {
+                model_id: record.model_id,
+                shape,
+                frame,
+                part_frames,
+                cell,
+                portals,
+            });
         }
         out
     }
@@ -153,7 +189,11 @@ impl Loader<'_> {
                 continue;
             }
             let Some(cell) = self.land_cell_of(frame.origin) else {
-                let kind = ProblemKind::OutsideBlock { what: "static object", index, block: self.id };
+                let kind = ProblemKind::OutsideBlock {
+                    what: "static object",
+                    index,
+                    block: self.id,
+                };
                 self.report(info.id, kind);
                 continue;
             };
@@ -172,31 +212,35 @@ impl Loader<'_> {
         // Ids run without gaps from 0x0100 (`world.md` 1); a larger count than there are ids is damage.
         let count = info.num_cells.min(0xFFFD - 0x0100 + 1) as u16;
         let mut out = Vec::new();
-        let mut missing = 0u32;
         for low in 0x0100..0x0100 + count {
-            let cell = self.env_cell(CellId::new(self.id, low), info.id, statics);
-            missing = if cell.is_some() { 0 } else { missing + 1 };
-            out.push(cell);
-            // A damaged count must not make us look up tens of thousands of absent records.
-            if missing > MAX_MISSING_CELLS {
-                break;
-            }
+            out.push(self.env_cell(CellId::new(self.id, low), info.id, statics));
+        }
+        // A damaged count leaves a tail of absent cells that nothing needs to remember.
+        while let Some(None) = out.last() {
+            out.pop();
         }
         out.into()
     }
 
     fn env_cell(&self, id: CellId, needed_by: u32, statics: &mut Vec<StaticObject>) -> Option<EnvCell> {
-        let record = self.world.parse(id.0, needed_by, record::EnvCell::parse)?;
+        let record = self
+            .world
+            .parse(Store::Cell, id.0, needed_by, record::EnvCell::parse)?;
         let frame = Frame::from(&record.frame);
         if !frame.is_finite() {
             self.report(id.0, ProblemKind::NotFinite("cell frame"));
             return None;
         }
-        let structure = self.world.cell_struct(record.environment, record.cell_struct, id.0)?;
+        let structure = self
+            .world
+            .cell_struct(record.environment, record.cell_struct, id.0)?;
         let mut portals = Vec::with_capacity(record.portals.len());
         for (index, portal) in (0u16..).zip(&record.portals) {
             let Some(polygon) = structure.polygons.index_of(portal.polygon_id) else {
-                let kind = ProblemKind::NoPortalPolygon { portal: index, polygon: portal.polygon_id };
+                let kind = ProblemKind::NoPortalPolygon {
+                    portal: index,
+                    polygon: portal.polygon_id,
+                };
                 self.report(id.0, kind);
                 continue;
             };
@@ -207,7 +251,11 @@ impl Loader<'_> {
                 },
                 other_portal: portal.other_portal(),
                 polygon: polygon as u32,
-                plane: structure.polygons.get(polygon).map(|p| p.plane).unwrap_or_default(),
+                plane: structure
+                    .polygons
+                    .get(polygon)
+                    .map(|p| p.plane)
+                    .unwrap_or_default(),
                 interior_is_negative: portal.portal_side() == 1,
                 exact_match: portal.exact_match(),
                 record_index: index,
@@ -239,16 +287,17 @@ impl Loader<'_> {
     fn check_building_portals(&self, block: &Landblock) {
         for (building, b) in (0u16..).zip(&block.buildings) {
             for (portal, p) in (0u16..).zip(&b.portals) {
-                if let (Some(index), Some(cell)) = (p.other_portal, block.env_cell(p.other)) {
-                    if cell.portal(index).is_none() {
-                        let kind = ProblemKind::NoOppositePortal { building, portal, cell: p.other.0 };
-                        self.report(self.id.info_record(), kind);
-                    }
+                if let (Some(index), Some(cell)) = (p.other_portal, block.env_cell(p.other))
+                    && cell.portal(index).is_none()
+                {
+                    let kind = ProblemKind::NoOppositePortal {
+                        building,
+                        portal,
+                        cell: p.other.0,
+                    };
+                    self.report(self.id.info_record(), kind);
                 }
             }
         }
     }
 }
-
-/// Env cells are numbered without gaps; after this many absent records in a row the count is taken for damage.
-const MAX_MISSING_CELLS: u32 = 64;

@@ -1,5 +1,7 @@
 //! Physics BSPs: polygons to collide with, in a tree flattened into arrays (`transition.md` 6).
 
+use glam::Vec3;
+
 use crate::geometry::{Plane, Sphere};
 use crate::polygon::PolygonSet;
 
@@ -66,10 +68,33 @@ pub struct PhysicsLeaf {
     pub solid: bool,
     /// Bounding sphere of its polygons.
     pub sphere: Sphere,
-    /// First entry in [`PhysicsBsp::leaf_polygons`].
+    /// First entry in [`PhysicsBsp::faces`].
     pub first: u32,
     /// Number of entries.
     pub count: u32,
+}
+
+/// A polygon as collision tests want it: its plane and its edges, in the order the leaves name polygons.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Face {
+    /// Its plane, owner-local.
+    pub plane: Plane,
+    /// First edge in [`PhysicsBsp::all_edges`].
+    first_edge: u32,
+    /// Number of edges.
+    edge_count: u32,
+    /// Position of the polygon in [`PhysicsBsp::polygons`].
+    pub polygon: u32,
+}
+
+/// An edge of a [`Face`], from one vertex to the next; the first runs from the last vertex to the first
+/// (`transition.md` 6.5).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FaceEdge {
+    /// Where it starts.
+    pub start: Vec3,
+    /// Normal of the polygon times the edge: points inwards, in the plane, not normalised.
+    pub inward: Vec3,
 }
 
 /// A physics tree with the polygons it refers to; one per model or cell structure, shared by all that place it.
@@ -77,17 +102,95 @@ pub struct PhysicsLeaf {
 pub struct PhysicsBsp {
     /// The tree's root.
     pub root: Child,
-    /// Inner nodes, parents before children.
-    pub nodes: Box<[PhysicsNode]>,
-    /// Leaves.
-    pub leaves: Box<[PhysicsLeaf]>,
-    /// Polygons of the leaves, in the leaves' own order: indices into `polygons`.
-    pub leaf_polygons: Box<[u32]>,
-    /// The polygons, owner-local coordinates.
-    pub polygons: PolygonSet,
+    nodes: Box<[PhysicsNode]>,
+    leaves: Box<[PhysicsLeaf]>,
+    faces: Box<[Face]>,
+    edges: Box<[FaceEdge]>,
+    polygons: PolygonSet,
 }
 
 impl PhysicsBsp {
+    /// A tree from its parts. `leaf_polygons` holds the polygons of the leaves, in the leaves' own order, as
+    /// positions in `polygons`; positions that do not exist become faces that nothing can hit.
+    pub fn new(
+        root: Child,
+        nodes: Vec<PhysicsNode>,
+        leaves: Vec<PhysicsLeaf>,
+        leaf_polygons: &[u32],
+        polygons: PolygonSet,
+    ) -> Self {
+        let mut faces = Vec::with_capacity(leaf_polygons.len());
+        let mut edges = Vec::new();
+        for &index in leaf_polygons {
+            let polygon = polygons.get(index as usize).copied();
+            let first_edge = edges.len() as u32;
+            let plane = polygon.map(|p| p.plane).unwrap_or_default();
+            let vertices = polygon.as_ref().map_or(&[][..], |p| polygons.vertices(p));
+            let mut start = vertices.last().copied().unwrap_or_default();
+            for &end in vertices {
+                edges.push(FaceEdge {
+                    start,
+                    inward: plane.normal.cross(end - start),
+                });
+                start = end;
+            }
+            let edge_count = edges.len() as u32 - first_edge;
+            faces.push(Face {
+                plane,
+                first_edge,
+                edge_count,
+                polygon: index,
+            });
+        }
+        PhysicsBsp {
+            root,
+            nodes: nodes.into(),
+            leaves: leaves.into(),
+            faces: faces.into(),
+            edges: edges.into(),
+            polygons,
+        }
+    }
+
+    /// The inner nodes, parents before children.
+    #[inline]
+    pub fn nodes(&self) -> &[PhysicsNode] {
+        &self.nodes
+    }
+
+    /// The leaves.
+    #[inline]
+    pub fn leaves(&self) -> &[PhysicsLeaf] {
+        &self.leaves
+    }
+
+    /// The polygons of all leaves, leaf by leaf.
+    #[inline]
+    pub fn faces(&self) -> &[Face] {
+        &self.faces
+    }
+
+    /// The polygons of a leaf, in its order.
+    #[inline]
+    pub fn faces_of(&self, leaf: &PhysicsLeaf) -> &[Face] {
+        let first = leaf.first as usize;
+        self.faces.get(first..first + leaf.count as usize).unwrap_or(&[])
+    }
+
+    /// The edges of a face.
+    #[inline]
+    pub fn edges(&self, face: &Face) -> &[FaceEdge] {
+        let first = face.first_edge as usize;
+        self.edges
+            .get(first..first + face.edge_count as usize)
+            .unwrap_or(&[])
+    }
+
+    /// The polygons, owner-local coordinates.
+    pub fn polygons(&self) -> &PolygonSet {
+        &self.polygons
+    }
+
     /// The root's bounding sphere: the owner's physics sphere (`dat-format.md` G11).
     pub fn sphere(&self) -> Option<Sphere> {
         match self.root.kind() {
@@ -96,11 +199,32 @@ impl PhysicsBsp {
             ChildKind::Leaf(i) => self.leaves.get(i).map(|l| l.sphere),
         }
     }
+}
 
-    /// The polygon indices of a leaf.
-    #[inline]
-    pub fn polygons_of(&self, leaf: &PhysicsLeaf) -> &[u32] {
-        let first = leaf.first as usize;
-        self.leaf_polygons.get(first..first + leaf.count as usize).unwrap_or(&[])
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_start_at_the_last_vertex_and_point_inwards() {
+        let mut set = PolygonSet::default();
+        let square = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
+        assert!(set.push(7, false, &square));
+        let leaf = PhysicsLeaf {
+            solid: false,
+            sphere: Sphere::new(Vec3::ONE, 2.0),
+            first: 0,
+            count: 1,
+        };
+        let bsp = PhysicsBsp::new(Child::leaf(0), vec![], vec![leaf], &[0], set);
+        let face = bsp.faces_of(&bsp.leaves()[0])[0];
+        let edges = bsp.edges(&face);
+        assert_eq!(
+            edges.iter().map(|e| e.start).collect::<Vec<_>>(),
+            [square[3], square[0], square[1], square[2]]
+        );
+        for edge in edges {
+            assert!((Vec3::new(1.0, 1.0, 0.0) - edge.start).dot(edge.inward) > 0.0);
+        }
     }
 }

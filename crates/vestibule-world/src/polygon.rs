@@ -30,13 +30,21 @@ impl PolygonSet {
     /// Adds a polygon. Fewer than three vertices, or an id that is already there, are left out
     /// (`dat-format.md` G15): the answer is then false.
     pub fn push(&mut self, id: u16, single_sided: bool, vertices: &[Vec3]) -> bool {
-        let Ok(count) = u16::try_from(vertices.len()) else { return false };
+        let Ok(count) = u16::try_from(vertices.len()) else {
+            return false;
+        };
         if count < 3 || self.index_of(id).is_some() {
             return false;
         }
         let first = self.vertices.len() as u32;
         self.vertices.extend_from_slice(vertices);
-        self.polygons.push(Polygon { id, count, first, plane: Plane::of_polygon(vertices), single_sided });
+        self.polygons.push(Polygon {
+            id,
+            count,
+            first,
+            plane: Plane::of_polygon(vertices),
+            single_sided,
+        });
         true
     }
 
@@ -60,7 +68,9 @@ impl PolygonSet {
     #[inline]
     pub fn vertices(&self, polygon: &Polygon) -> &[Vec3] {
         let first = polygon.first as usize;
-        self.vertices.get(first..first + usize::from(polygon.count)).unwrap_or(&[])
+        self.vertices
+            .get(first..first + usize::from(polygon.count))
+            .unwrap_or(&[])
     }
 
     /// Position of the polygon with record key `id`.

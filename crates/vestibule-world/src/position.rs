@@ -28,7 +28,10 @@ pub struct Position {
 impl Position {
     /// An unrotated position.
     pub fn new(cell: CellId, origin: Vec3) -> Self {
-        Position { cell, frame: Frame::at(origin) }
+        Position {
+            cell,
+            frame: Frame::at(origin),
+        }
     }
 
     /// The origin, landblock frame, metres.
@@ -89,13 +92,19 @@ impl Position {
 impl fmt::Display for Position {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (o, q) = (self.frame.origin, self.frame.rotation());
-        write!(f, "{} [{} {} {}] {} {} {} {}", self.cell, o.x, o.y, o.z, q.w, q.x, q.y, q.z)
+        write!(
+            f,
+            "{} [{} {} {}] {} {} {} {}",
+            self.cell, o.x, o.y, o.z, q.w, q.x, q.y, q.z
+        )
     }
 }
 
 /// Why a text is not a position.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("'{text}', column {column}: {problem}; write a position as \"0xA9B40170 [155.343 15.134 94.005] 1 0 0 0\"")]
+#[error(
+    "'{text}', column {column}: {problem}; write a position as \"0xA9B40170 [155.343 15.134 94.005] 1 0 0 0\""
+)]
 pub struct ParsePositionError {
     /// The whole text.
     pub text: String,
@@ -113,7 +122,9 @@ impl FromStr for Position {
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let mut scan = Scanner { text, at: 0 };
         let (at, word) = scan.word();
-        let cell: CellId = word.parse().map_err(|_| scan.error(at, "expected a cell id of eight hexadecimal digits"))?;
+        let cell: CellId = word
+            .parse()
+            .map_err(|_| scan.error(at, "expected a cell id of eight hexadecimal digits"))?;
         scan.expect('[', "expected '[' before the coordinates")?;
         let origin = Vec3::new(scan.number()?, scan.number()?, scan.number()?);
         scan.expect(']', "expected ']' after three coordinates")?;
@@ -126,7 +137,10 @@ impl FromStr for Position {
         if !scan.at_end() {
             return Err(scan.error(scan.at, "unexpected text after the position"));
         }
-        Ok(Position { cell, frame: Frame::new(origin, rotation) })
+        Ok(Position {
+            cell,
+            frame: Frame::new(origin, rotation),
+        })
     }
 }
 
@@ -138,12 +152,19 @@ struct Scanner<'a> {
 impl<'a> Scanner<'a> {
     fn error(&self, at: usize, problem: &'static str) -> ParsePositionError {
         let column = self.text.get(..at).map_or(at, |s| s.chars().count()) + 1;
-        ParsePositionError { text: self.text.to_owned(), column, problem }
+        ParsePositionError {
+            text: self.text.to_owned(),
+            column,
+            problem,
+        }
     }
 
     fn skip(&mut self) {
         let rest = self.text.get(self.at..).unwrap_or("");
-        self.at += rest.len() - rest.trim_start_matches(|c: char| c.is_whitespace() || c == ',').len();
+        self.at += rest.len()
+            - rest
+                .trim_start_matches(|c: char| c.is_whitespace() || c == ',')
+                .len();
     }
 
     fn at_end(&mut self) -> bool {
@@ -155,14 +176,20 @@ impl<'a> Scanner<'a> {
         self.skip();
         let start = self.at;
         let rest = self.text.get(start..).unwrap_or("");
-        let end = rest.find(|c: char| c.is_whitespace() || matches!(c, ',' | '[' | ']')).unwrap_or(rest.len());
+        let end = rest
+            .find(|c: char| c.is_whitespace() || matches!(c, ',' | '[' | ']'))
+            .unwrap_or(rest.len());
         self.at = start + end;
         (start, rest.get(..end).unwrap_or(""))
     }
 
     fn expect(&mut self, wanted: char, problem: &'static str) -> Result<(), ParsePositionError> {
         self.skip();
-        if self.text.get(self.at..).is_some_and(|rest| rest.starts_with(wanted)) {
+        if self
+            .text
+            .get(self.at..)
+            .is_some_and(|rest| rest.starts_with(wanted))
+        {
             self.at += wanted.len_utf8();
             Ok(())
         } else {
@@ -201,7 +228,10 @@ impl MapCoordinates {
             ((f64::from(cell) + f64::from(metres) / 24.0 - MAP_ORIGIN_CELLS) / 10.0) as f32
         };
         let o = position.frame.origin;
-        MapCoordinates { north: degrees(corner.y, o.y), east: degrees(corner.x, o.x) }
+        MapCoordinates {
+            north: degrees(corner.y, o.y),
+            east: degrees(corner.x, o.x),
+        }
     }
 
     /// The outdoor position here, at height `z`; `None` off the map.
@@ -214,14 +244,21 @@ impl MapCoordinates {
             return None;
         }
         let id = BlockId::new(block(x)?, block(y)?);
-        let local = Vec3::new((x - f64::from(id.x()) * side) as f32, (y - f64::from(id.y()) * side) as f32, z);
+        let local = Vec3::new(
+            (x - f64::from(id.x()) * side) as f32,
+            (y - f64::from(id.y()) * side) as f32,
+            z,
+        );
         Position::new(CellId::new(id, 0xFFFF), local).adjusted_to_outside()
     }
 }
 
 impl fmt::Display for MapCoordinates {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (ns, ew) = (if self.north < 0.0 { 'S' } else { 'N' }, if self.east < 0.0 { 'W' } else { 'E' });
+        let (ns, ew) = (
+            if self.north < 0.0 { 'S' } else { 'N' },
+            if self.east < 0.0 { 'W' } else { 'E' },
+        );
         write!(f, "{:.1}{ns}, {:.1}{ew}", self.north.abs(), self.east.abs())
     }
 }
@@ -238,8 +275,12 @@ impl FromStr for MapCoordinates {
 
     /// Reads `42.1N, 33.6E`; the comma is optional, letters may be small.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let fail = || ParseMapCoordinatesError { text: text.to_owned() };
-        let mut words = text.split(|c: char| c.is_whitespace() || c == ',').filter(|w| !w.is_empty());
+        let fail = || ParseMapCoordinatesError {
+            text: text.to_owned(),
+        };
+        let mut words = text
+            .split(|c: char| c.is_whitespace() || c == ',')
+            .filter(|w| !w.is_empty());
         let mut axis = |plus: char, minus: char| -> Option<f32> {
             let word = words.next()?;
             let letter = word.chars().last()?;
@@ -281,7 +322,10 @@ mod tests {
         let h = core::f32::consts::FRAC_1_SQRT_2;
         let p = Position {
             cell: CellId(0xA9B4_0031),
-            frame: Frame::new(Vec3::new(155.3717, 16.0283, 94.005), Quat::from_xyzw(0.0, 0.0, -h, h)),
+            frame: Frame::new(
+                Vec3::new(155.3717, 16.0283, 94.005),
+                Quat::from_xyzw(0.0, 0.0, -h, h),
+            ),
         };
         assert_eq!(p.to_string().parse::<Position>(), Ok(p));
     }
@@ -315,10 +359,17 @@ mod tests {
     fn map_coordinates_of_the_town_are_those_players_know() {
         let p = Position::new(CellId(0xA9B4_0019), Vec3::new(84.0, 7.1, 94.005));
         assert_eq!(MapCoordinates::of(&p).to_string(), "42.1N, 33.6E");
-        let back = "42.1N, 33.6E".parse::<MapCoordinates>().unwrap().to_position(94.0).unwrap();
+        let back = "42.1N, 33.6E"
+            .parse::<MapCoordinates>()
+            .unwrap()
+            .to_position(94.0)
+            .unwrap();
         assert!(p.offset_to(&back).truncate().length() < 24.0);
         assert_eq!(back.cell.block(), BlockId(0xA9B4));
-        assert_eq!("0.5s 101.9W".parse::<MapCoordinates>().unwrap().to_string(), "0.5S, 101.9W");
+        assert_eq!(
+            "0.5s 101.9W".parse::<MapCoordinates>().unwrap().to_string(),
+            "0.5S, 101.9W"
+        );
         for bad in ["", "42.1N", "42.1E, 33.6N", "420N, 3E", "NaNN, 3E", "1N 2E 3"] {
             assert!(bad.parse::<MapCoordinates>().is_err(), "{bad}");
         }
@@ -326,7 +377,12 @@ mod tests {
 
     #[test]
     fn example_22_heading() {
-        for (v, degrees) in [(Vec3::Y, 0.0), (Vec3::X, 90.0), (-Vec3::Y, 180.0), (-Vec3::X, 270.0)] {
+        for (v, degrees) in [
+            (Vec3::Y, 0.0),
+            (Vec3::X, 90.0),
+            (-Vec3::Y, 180.0),
+            (-Vec3::X, 270.0),
+        ] {
             assert!((heading_of(v) - degrees).abs() < 1e-4, "{v}");
         }
     }
@@ -336,7 +392,9 @@ mod tests {
         for block in [0x0000u32, 0xA9B4, 0xFEFE] {
             for i in 0..200u32 {
                 let (x, y) = ((i * 37 % 192) as f32 + 0.25, (i * 91 % 192) as f32 + 0.5);
-                let (id, _) = CellId(block << 16 | 0xFFFF).adjust_to_outside(Vec3::new(x, y, 0.0)).unwrap();
+                let (id, _) = CellId(block << 16 | 0xFFFF)
+                    .adjust_to_outside(Vec3::new(x, y, 0.0))
+                    .unwrap();
                 let expected = 8 * (x / 24.0).floor() as u32 + (y / 24.0).floor() as u32 + 1;
                 assert_eq!(id.0, block << 16 | expected);
             }

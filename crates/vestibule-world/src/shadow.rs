@@ -36,13 +36,27 @@ impl ShadowLists {
         let mut array = CellArray::new();
         for dx in -1..=1 {
             for dy in -1..=1 {
-                let Some(id) = block.id.neighbour(dx, dy) else { continue };
-                let Some(near) = (if id == block.id { Some(block) } else { world.block(id) }) else { continue };
+                let Some(id) = block.id.neighbour(dx, dy) else {
+                    continue;
+                };
+                let Some(near) = (if id == block.id {
+                    Some(block)
+                } else {
+                    world.block(id)
+                }) else {
+                    continue;
+                };
                 for (index, object) in near.statics.iter().enumerate() {
                     calc_cross_cells_static(world, object, &mut array);
                     for entry in array.entries().iter().filter(|e| e.id.block() == block.id) {
                         if let Some(slot) = slot(entry.id).filter(|&s| s < cells) {
-                            found.push((slot, StaticRef { block: id, index: index as u32 }));
+                            found.push((
+                                slot,
+                                StaticRef {
+                                    block: id,
+                                    index: index as u32,
+                                },
+                            ));
                         }
                     }
                 }
@@ -59,7 +73,10 @@ impl ShadowLists {
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
         }
-        ShadowLists { starts: starts.into(), refs: found.into_iter().map(|(_, r)| r).collect() }
+        ShadowLists {
+            starts: starts.into(),
+            refs: found.into_iter().map(|(_, r)| r).collect(),
+        }
     }
 }
 
@@ -80,7 +97,10 @@ fn slot(cell: CellId) -> Option<usize> {
 pub fn calc_cross_cells_static(world: &World, object: &StaticObject, array: &mut CellArray) {
     array.do_not_load_cells = true;
     if !object.shape.cylspheres.is_empty() && !object.shape.has_physics_bsp {
-        let position = Position { cell: object.cell, frame: object.frame };
+        let position = Position {
+            cell: object.cell,
+            frame: object.frame,
+        };
         find_cell_list_of_cylspheres(world, &position, &object.shape.cylspheres, array);
     } else {
         let parts = part_bounds(object);
@@ -94,7 +114,11 @@ pub fn part_bounds(object: &StaticObject) -> Vec<PartBounds> {
     placed
         .filter_map(|(part, frame)| {
             let model = part.model.as_ref()?;
-            Some(PartBounds { frame: *frame, sphere: model.cell_sphere(), bounds: model.bounds })
+            Some(PartBounds {
+                frame: *frame,
+                sphere: model.cell_sphere(),
+                bounds: model.bounds,
+            })
         })
         .collect()
 }

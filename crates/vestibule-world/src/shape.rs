@@ -104,7 +104,12 @@ impl StaticObject {
     /// Places a shape of scale 1.
     pub fn new(shape: Arc<Shape>, frame: Frame, cell: CellId) -> Self {
         let part_frames = shape.parts.iter().map(|p| frame.combine(&p.frame)).collect();
-        StaticObject { shape, frame, cell, part_frames }
+        StaticObject {
+            shape,
+            frame,
+            cell,
+            part_frames,
+        }
     }
 }
 

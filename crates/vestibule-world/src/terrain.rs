@@ -28,7 +28,11 @@ pub fn split_hash(c: LandCoord) -> u32 {
 
 /// The diagonal of the land cell at `c` (`world.md` 4.2).
 pub fn split_direction(c: LandCoord) -> Split {
-    if split_hash(c) >= 0x8000_0000 { Split::SwNe } else { Split::SeNw }
+    if split_hash(c) >= 0x8000_0000 {
+        Split::SwNe
+    } else {
+        Split::SeNw
+    }
 }
 
 /// One terrain vertex word: `road`, terrain `type` and `scene` (`world.md` A1).
@@ -80,7 +84,10 @@ pub struct TerrainPolygon {
 
 impl TerrainPolygon {
     fn new(vertices: [Vec3; 3]) -> Self {
-        TerrainPolygon { vertices, plane: Plane::of_polygon(&vertices) }
+        TerrainPolygon {
+            vertices,
+            plane: Plane::of_polygon(&vertices),
+        }
     }
 
     /// Whether the column over `p` meets the triangle; edges count as inside, z is ignored
@@ -136,14 +143,19 @@ impl LandCell {
             Water::Not => 0.0,
             Water::Entirely => WATER_DEPTH_ENTIRELY,
             Water::Partially => {
-                let half = |v: f32| v - SQUARE_LENGTH * libm::floorf(v / SQUARE_LENGTH) >= SQUARE_LENGTH / 2.0;
+                let half =
+                    |v: f32| v - SQUARE_LENGTH * libm::floorf(v / SQUARE_LENGTH) >= SQUARE_LENGTH / 2.0;
                 let corner = match (half(p.x), half(p.y)) {
                     (false, false) => 1,
                     (true, false) => 2,
                     (true, true) => 4,
                     (false, true) => 8,
                 };
-                if self.water_corners & corner != 0 { WATER_DEPTH_WET_CORNER } else { WATER_DEPTH_DRY_CORNER }
+                if self.water_corners & corner != 0 {
+                    WATER_DEPTH_WET_CORNER
+                } else {
+                    WATER_DEPTH_DRY_CORNER
+                }
             }
         }
     }
@@ -162,20 +174,26 @@ pub fn build_land_cells(corner: LandCoord, heights: &[f32; 81], words: &[Terrain
     for cx in 0..side {
         for cy in 0..side {
             let vertex = |i: usize, j: usize| {
-                Vec3::new(i as f32 * SQUARE_LENGTH, j as f32 * SQUARE_LENGTH, heights[vertex_index(i, j)])
+                Vec3::new(
+                    i as f32 * SQUARE_LENGTH,
+                    j as f32 * SQUARE_LENGTH,
+                    heights[vertex_index(i, j)],
+                )
             };
             let (sw, se) = (vertex(cx, cy), vertex(cx + 1, cy));
             let (ne, nw) = (vertex(cx + 1, cy + 1), vertex(cx, cy + 1));
-            let split = split_direction(LandCoord { x: corner.x + cx as i32, y: corner.y + cy as i32 });
+            let split = split_direction(LandCoord {
+                x: corner.x + cx as i32,
+                y: corner.y + cy as i32,
+            });
             let polygons = match split {
                 Split::SwNe => [[sw, se, ne], [sw, ne, nw]],
                 Split::SeNw => [[sw, se, nw], [ne, nw, se]],
             };
             let corners = [(cx, cy), (cx + 1, cy), (cx + 1, cy + 1), (cx, cy + 1)];
-            let water_corners = corners
-                .iter()
-                .enumerate()
-                .fold(0u8, |bits, (k, &(i, j))| bits | u8::from(words[vertex_index(i, j)].is_water()) << k);
+            let water_corners = corners.iter().enumerate().fold(0u8, |bits, (k, &(i, j))| {
+                bits | u8::from(words[vertex_index(i, j)].is_water()) << k
+            });
             let water = match water_corners {
                 0 => Water::Not,
                 0xF => Water::Entirely,
@@ -247,11 +265,26 @@ mod tests {
 
     #[test]
     fn example_22_19_splits_of_a_landblock() {
-        let rows = ["////////", "////////", "///\\\\\\\\\\", "//\\\\\\\\\\/", "//\\\\\\///", "//\\\\//\\\\", "/\\\\//\\\\/", "/\\\\//\\//"];
+        let rows = [
+            "////////",
+            "////////",
+            "///\\\\\\\\\\",
+            "//\\\\\\\\\\/",
+            "//\\\\\\///",
+            "//\\\\//\\\\",
+            "/\\\\//\\\\/",
+            "/\\\\//\\//",
+        ];
         for (k, row) in rows.iter().enumerate() {
             let cy = 7 - k as i32;
             let drawn: String = (0..8)
-                .map(|cx| if split_direction(at(1352 + cx, 1440 + cy)) == Split::SwNe { '/' } else { '\\' })
+                .map(|cx| {
+                    if split_direction(at(1352 + cx, 1440 + cy)) == Split::SwNe {
+                        '/'
+                    } else {
+                        '\\'
+                    }
+                })
                 .collect();
             assert_eq!(&drawn, row, "row {cy}");
         }
@@ -287,15 +320,27 @@ mod tests {
     #[test]
     fn example_22_22_the_diagonal_belongs_to_polygon_0() {
         let cell = cell(SW_NE, [0.0; 4], [0; 4]);
-        assert_eq!(cell.polygons[0].plane, Plane { normal: Vec3::Z, d: 0.0 });
+        assert_eq!(
+            cell.polygons[0].plane,
+            Plane {
+                normal: Vec3::Z,
+                d: 0.0
+            }
+        );
         let which = |x: f32, y: f32| {
             let p = Vec3::new(x, y, 0.0);
-            cell.polygons.iter().map(|poly| poly.contains_2d(p)).collect::<Vec<_>>()
+            cell.polygons
+                .iter()
+                .map(|poly| poly.contains_2d(p))
+                .collect::<Vec<_>>()
         };
         assert_eq!(which(12.0, 6.0), [true, false]);
         assert_eq!(which(6.0, 12.0), [false, true]);
         assert_eq!(which(12.0, 12.0), [true, true]);
-        assert_eq!(cell.find_terrain_poly(Vec3::new(12.0, 12.0, 0.0)), Some(&cell.polygons[0]));
+        assert_eq!(
+            cell.find_terrain_poly(Vec3::new(12.0, 12.0, 0.0)),
+            Some(&cell.polygons[0])
+        );
     }
 
     #[test]
@@ -316,7 +361,10 @@ mod tests {
         let partly = cell(SW_NE, [0.0; 4], [0x14, 1, 1, 1]);
         assert_eq!(partly.water, Water::Partially);
         let depth = |x: f32, y: f32| partly.water_depth(Vec3::new(x, y, 0.0));
-        assert_eq!((depth(3.0, 3.0), depth(20.0, 3.0), depth(12.0, 12.0)), (0.45, 0.1, 0.1));
+        assert_eq!(
+            (depth(3.0, 3.0), depth(20.0, 3.0), depth(12.0, 12.0)),
+            (0.45, 0.1, 0.1)
+        );
         assert_eq!(cell(SW_NE, [0.0; 4], [0x16; 4]).water, Water::Not);
     }
 

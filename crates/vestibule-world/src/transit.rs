@@ -62,7 +62,11 @@ fn from_env_cell(
                 } else {
                     let reaches = |s: &Sphere| {
                         let reach = s.radius + EPSILON;
-                        if portal.interior_is_negative { dist(s) > -reach } else { dist(s) < reach }
+                        if portal.interior_is_negative {
+                            dist(s) > -reach
+                        } else {
+                            dist(s) < reach
+                        }
                     };
                     if spheres.iter().any(reaches) {
                         array.add(id, false);
@@ -102,8 +106,12 @@ pub fn add_all_outside_cells(
         return;
     }
     for sphere in spheres {
-        let Some((id, q)) = seed.adjust_to_outside(sphere.center) else { return };
-        let Some(LandCoord { x, y }) = id.land_coord() else { return };
+        let Some((id, q)) = seed.adjust_to_outside(sphere.center) else {
+            return;
+        };
+        let Some(LandCoord { x, y }) = id.land_coord() else {
+            return;
+        };
         let within = |v: f32| v - SQUARE_LENGTH * libm::floorf(v / SQUARE_LENGTH);
         let (u, v) = (within(q.x), within(q.y));
         let (lo, hi) = (sphere.radius, SQUARE_LENGTH - sphere.radius);
@@ -156,7 +164,9 @@ fn into_building(
     spheres: &[Sphere],
     array: &mut CellArray,
 ) -> bool {
-    let Some(building) = world.building_on(from) else { return false };
+    let Some(building) = world.building_on(from) else {
+        return false;
+    };
     // Retail applies no block offset here (`world.md` D4); the setting does what geometry asks for.
     let offset = if world.settings().offset_building_transit {
         block_offset(seed.block(), from.block())
@@ -168,7 +178,9 @@ fn into_building(
         if portal.other_portal.is_none() {
             continue;
         }
-        let Some(cell) = world.env_cell(portal.other) else { continue };
+        let Some(cell) = world.env_cell(portal.other) else {
+            continue;
+        };
         if spheres.iter().any(|s| meets(cell, s.center - offset, s.radius)) {
             entered = true;
             array.add(portal.other, true);
@@ -176,4 +188,3 @@ fn into_building(
     }
     entered
 }
-

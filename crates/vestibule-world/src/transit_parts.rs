@@ -30,7 +30,8 @@ impl PartBounds {
     }
 
     fn box_in(&self, offset: Vec3, target: &Frame) -> BoundingBox {
-        self.bounds.mapped(|p| target.global_to_local(self.frame.local_to_global(p) + offset))
+        self.bounds
+            .mapped(|p| target.global_to_local(self.frame.local_to_global(p) + offset))
     }
 
     fn box_in_block(&self, offset: Vec3) -> BoundingBox {
@@ -66,7 +67,11 @@ fn from_env_cell(world: &World, cell: &EnvCell, own: CellId, parts: &[PartBounds
             let Some(sphere) = &part.sphere else { continue };
             let reach = sphere.radius + EPSILON;
             let dist = portal.plane.dist(part.center_in(sphere, offset, &cell.frame));
-            if if portal.interior_is_negative { dist < -reach } else { dist > reach } {
+            if if portal.interior_is_negative {
+                dist < -reach
+            } else {
+                dist > reach
+            } {
                 continue;
             }
             let side = part.box_in(offset, &cell.frame).side_of(&portal.plane);
@@ -90,13 +95,19 @@ fn from_env_cell(world: &World, cell: &EnvCell, own: CellId, parts: &[PartBounds
 }
 
 fn interior_side(portal: &CellPortal) -> Side {
-    if portal.interior_is_negative { Side::Negative } else { Side::Positive }
+    if portal.interior_is_negative {
+        Side::Negative
+    } else {
+        Side::Positive
+    }
 }
 
 /// The box test of `world.md` 9.3 in the frame of `cell`.
 fn part_meets(part: &PartBounds, from: BlockId, cell: &EnvCell) -> bool {
     let offset = block_offset(cell.id.block(), from);
-    cell.structure.cell_bsp.meets_box(&part.box_in(offset, &cell.frame).corners())
+    cell.structure
+        .cell_bsp
+        .meets_box(&part.box_in(offset, &cell.frame).corners())
 }
 
 /// `world.md` 11.2: a block of land cells around the first part.
@@ -106,7 +117,9 @@ fn add_all_outside_cells_of_parts(world: &World, own: CellId, parts: &[PartBound
     }
     array.added_outside = true;
     let Some(first) = parts.first() else { return };
-    let Some((base, _)) = own.adjust_to_outside(first.frame.origin) else { return };
+    let Some((base, _)) = own.adjust_to_outside(first.frame.origin) else {
+        return;
+    };
     let Some(coord) = base.land_coord() else { return };
     if !world.is_resident(base) {
         return;
@@ -141,17 +154,29 @@ const MAX_LAND_CELLS_OF_ONE_OBJECT: i64 = 4096;
 
 /// `world.md` 12 D2.
 fn into_building(world: &World, from: CellId, own: CellId, parts: &[PartBounds], array: &mut CellArray) {
-    let Some(building) = world.building_on(from) else { return };
+    let Some(building) = world.building_on(from) else {
+        return;
+    };
     for building_portal in &building.portals {
-        let Some(index) = building_portal.other_portal else { continue };
-        let Some(cell) = world.env_cell(building_portal.other) else { continue };
-        let Some(portal) = cell.portal(index) else { continue };
+        let Some(index) = building_portal.other_portal else {
+            continue;
+        };
+        let Some(cell) = world.env_cell(building_portal.other) else {
+            continue;
+        };
+        let Some(portal) = cell.portal(index) else {
+            continue;
+        };
         let offset = block_offset(cell.id.block(), own.block());
         for part in parts {
             let Some(sphere) = &part.sphere else { continue };
             let reach = sphere.radius + EPSILON;
             let dist = portal.plane.dist(part.center_in(sphere, offset, &cell.frame));
-            if if portal.interior_is_negative { dist > reach } else { dist < -reach } {
+            if if portal.interior_is_negative {
+                dist > reach
+            } else {
+                dist < -reach
+            } {
                 continue;
             }
             let side = part.box_in(offset, &cell.frame).side_of(&portal.plane);

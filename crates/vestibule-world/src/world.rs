@@ -105,7 +105,14 @@ impl World {
     #[cold]
     fn load_block(&self, id: BlockId) -> Option<&Landblock> {
         let slot = &self.blocks[usize::from(id.0)];
-        slot.get_or_init(|| if id.is_on_map() { load::landblock(self, id).map(Box::new) } else { None }).as_deref()
+        slot.get_or_init(|| {
+            if id.is_on_map() {
+                load::landblock(self, id).map(Box::new)
+            } else {
+                None
+            }
+        })
+        .as_deref()
     }
 
     /// The landblock if it has been loaded already.
@@ -134,7 +141,11 @@ impl World {
     /// Whether the cell is resident (retail `GetVisible` finds one, `world.md` V1).
     #[inline]
     pub fn is_resident(&self, id: CellId) -> bool {
-        if id.is_indoor() { self.env_cell(id).is_some() } else { self.land_cell(id).is_some() }
+        if id.is_indoor() {
+            self.env_cell(id).is_some()
+        } else {
+            self.land_cell(id).is_some()
+        }
     }
 
     /// The building registered with a land cell.
@@ -150,15 +161,21 @@ impl World {
         if id.is_indoor() {
             self.env_cell(id).is_some_and(|cell| cell.contains_point(q))
         } else {
-            self.land_cell(id).is_some_and(|cell| cell.find_terrain_poly(q).is_some())
+            self.land_cell(id)
+                .is_some_and(|cell| cell.find_terrain_poly(q).is_some())
         }
     }
 
     /// Static objects found in a cell, its shadow list (`world.md` 14), in retail's order.
     #[inline]
     pub fn statics_in(&self, cell: CellId) -> &[StaticRef] {
-        let Some(block) = self.block(cell.block()) else { return &[] };
-        block.shadows.get_or_init(|| ShadowLists::build(self, block)).of(cell)
+        let Some(block) = self.block(cell.block()) else {
+            return &[];
+        };
+        block
+            .shadows
+            .get_or_init(|| ShadowLists::build(self, block))
+            .of(cell)
     }
 
     /// The static object a reference names.
@@ -169,7 +186,9 @@ impl World {
 
     /// Water of the landblock; [`Water::Not`] without terrain.
     pub fn block_water(&self, id: BlockId) -> Water {
-        self.block(id).and_then(|b| b.land.as_ref()).map_or(Water::Not, |land| land.water)
+        self.block(id)
+            .and_then(|b| b.land.as_ref())
+            .map_or(Water::Not, |land| land.water)
     }
 
     /// The ground over or under a point: land cell, height in metres. `p` is in the frame of `cell`'s landblock
@@ -178,12 +197,22 @@ impl World {
         let (id, q) = cell.adjust_to_outside(p)?;
         let land_cell = self.land_cell(id)?;
         let polygon = land_cell.find_terrain_poly(q)?;
-        Some(Ground { cell: id, point: q, z: polygon.height_at(q)?, land_cell, polygon })
+        Some(Ground {
+            cell: id,
+            point: q,
+            z: polygon.height_at(q)?,
+            land_cell,
+            polygon,
+        })
     }
 
     /// What could not be loaded so far, oldest first.
     pub fn problems(&self) -> Vec<LoadProblem> {
-        self.problems.lock().unwrap_or_else(PoisonError::into_inner).kept.clone()
+        self.problems
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .kept
+            .clone()
     }
 
     /// Number of load problems so far, also those no longer kept.
@@ -226,8 +255,15 @@ impl Ground<'_> {
 
 impl core::fmt::Debug for World {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let loaded = self.blocks.iter().filter(|b| b.get().is_some_and(Option::is_some)).count();
-        f.debug_struct("World").field("loaded_blocks", &loaded).field("problems", &self.problem_count()).finish()
+        let loaded = self
+            .blocks
+            .iter()
+            .filter(|b| b.get().is_some_and(Option::is_some))
+            .count();
+        f.debug_struct("World")
+            .field("loaded_blocks", &loaded)
+            .field("problems", &self.problem_count())
+            .finish()
     }
 }
 

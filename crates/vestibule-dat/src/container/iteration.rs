@@ -7,6 +7,7 @@ pub const ITERATION_ID: u32 = 0xFFFF_0001;
 
 /// Which patch iterations a file holds (V1).
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct IterationRecord {
     /// Number of iterations present.
     pub total: i32,

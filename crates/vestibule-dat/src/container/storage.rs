@@ -17,53 +17,71 @@ pub trait Storage {
     ///
     /// # Errors
     /// What the system reports; so for all of these.
-    fn len(&self) -> io::Result<u64>;
-
-    /// Whether there are no bytes.
-    ///
-    /// # Errors
-    /// As [`Storage::len`].
-    fn is_empty(&self) -> io::Result<bool> {
-        Ok(self.len()? == 0)
-    }
+    fn size(&self) -> io::Result<u64>;
 
     /// Fills `buf` from `offset`; an error if that passes the end.
     ///
     /// # Errors
-    /// As [`Storage::len`].
+    /// As [`Storage::size`].
     fn read_at(&self, offset: u64, buf: &mut [u8]) -> io::Result<()>;
 
     /// Writes `bytes` at `offset`. Writing past the end extends the bytes, with zeros in between.
     ///
     /// # Errors
-    /// As [`Storage::len`].
+    /// As [`Storage::size`].
     fn write_at(&mut self, offset: u64, bytes: &[u8]) -> io::Result<()>;
 
     /// Cuts off or extends with zeros.
     ///
     /// # Errors
-    /// As [`Storage::len`].
-    fn set_len(&mut self, len: u64) -> io::Result<()>;
+    /// As [`Storage::size`].
+    fn set_size(&mut self, len: u64) -> io::Result<()>;
 
     /// Returns when everything written is on the disk.
     ///
     /// # Errors
-    /// As [`Storage::len`].
+    /// As [`Storage::size`].
     fn sync(&mut self) -> io::Result<()>;
 
     /// Ends the writing of a whole file: flushes it and, where it stands in for another, puts it in that one's place.
     ///
     /// # Errors
-    /// As [`Storage::len`].
+    /// As [`Storage::size`].
     fn publish(&mut self) -> io::Result<()> {
         self.sync()
     }
 }
 
+impl<S: Storage + ?Sized> Storage for &mut S {
+    fn size(&self) -> io::Result<u64> {
+        (**self).size()
+    }
+
+    fn read_at(&self, offset: u64, buf: &mut [u8]) -> io::Result<()> {
+        (**self).read_at(offset, buf)
+    }
+
+    fn write_at(&mut self, offset: u64, bytes: &[u8]) -> io::Result<()> {
+        (**self).write_at(offset, bytes)
+    }
+
+    fn set_size(&mut self, len: u64) -> io::Result<()> {
+        (**self).set_size(len)
+    }
+
+    fn sync(&mut self) -> io::Result<()> {
+        (**self).sync()
+    }
+
+    fn publish(&mut self) -> io::Result<()> {
+        (**self).publish()
+    }
+}
+
 /// Bytes in memory.
 impl Storage for Vec<u8> {
-    fn len(&self) -> io::Result<u64> {
-        Ok(Vec::len(self) as u64)
+    fn size(&self) -> io::Result<u64> {
+        Ok(self.len() as u64)
     }
 
     fn read_at(&self, offset: u64, buf: &mut [u8]) -> io::Result<()> {
@@ -73,11 +91,11 @@ impl Storage for Vec<u8> {
     fn write_at(&mut self, offset: u64, bytes: &[u8]) -> io::Result<()> {
         let at = usize::try_from(offset).map_err(|_| io::Error::from(io::ErrorKind::FileTooLarge))?;
         let end = at.checked_add(bytes.len()).ok_or(io::ErrorKind::FileTooLarge)?;
-        if at == Vec::len(self) {
+        if at == self.len() {
             self.extend_from_slice(bytes);
             return Ok(());
         }
-        if end > Vec::len(self) {
+        if end > self.len() {
             self.resize(end, 0);
         }
         if let Some(to) = self.get_mut(at..end) {
@@ -86,7 +104,7 @@ impl Storage for Vec<u8> {
         Ok(())
     }
 
-    fn set_len(&mut self, len: u64) -> io::Result<()> {
+    fn set_size(&mut self, len: u64) -> io::Result<()> {
         let len = usize::try_from(len).map_err(|_| io::Error::from(io::ErrorKind::FileTooLarge))?;
         self.resize(len, 0);
         Ok(())
@@ -126,7 +144,7 @@ impl FileStorage {
 }
 
 impl Storage for FileStorage {
-    fn len(&self) -> io::Result<u64> {
+    fn size(&self) -> io::Result<u64> {
         Ok(self.file.metadata()?.len())
     }
 
@@ -141,7 +159,7 @@ impl Storage for FileStorage {
         self.file.write_all(bytes)
     }
 
-    fn set_len(&mut self, len: u64) -> io::Result<()> {
+    fn set_size(&mut self, len: u64) -> io::Result<()> {
         self.file.set_len(len)
     }
 
@@ -213,8 +231,8 @@ fn published() -> io::Error {
 }
 
 impl Storage for NewFile {
-    fn len(&self) -> io::Result<u64> {
-        self.inner()?.len()
+    fn size(&self) -> io::Result<u64> {
+        self.inner()?.size()
     }
 
     fn read_at(&self, offset: u64, buf: &mut [u8]) -> io::Result<()> {
@@ -225,8 +243,8 @@ impl Storage for NewFile {
         self.inner_mut()?.write_at(offset, bytes)
     }
 
-    fn set_len(&mut self, len: u64) -> io::Result<()> {
-        self.inner_mut()?.set_len(len)
+    fn set_size(&mut self, len: u64) -> io::Result<()> {
+        self.inner_mut()?.set_size(len)
     }
 
     fn sync(&mut self) -> io::Result<()> {

@@ -5,6 +5,7 @@ use crate::primitive::{Plane, Reader, Sphere, Writer};
 
 /// Which of the three grammars a tree follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum BspKind {
     /// Splits the polygons that are drawn.
     Drawing,
@@ -16,6 +17,7 @@ pub enum BspKind {
 
 /// A BSP tree as a flat array in file order (pre-order): node 0 is the root, a node's positive child follows it at once.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct BspTree {
     /// Which grammar.
     pub kind: BspKind,
@@ -25,6 +27,7 @@ pub struct BspTree {
 
 /// One node.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum BspNode {
     /// A convex region.
     Leaf {
@@ -67,6 +70,7 @@ pub enum BspNode {
 
 /// What a leaf of a physics tree holds.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct BspLeafPhysics {
     /// The word as read: non-zero means solid. Meaningful only for non-empty leaves (G9).
     pub solid: u32,
@@ -224,6 +228,7 @@ impl BspTree {
                 let Some((index, step)) = open.last_mut() else {
                     return Ok(Self { kind, nodes });
                 };
+                // Never missing: only nodes of the list are open.
                 let Some(node) = nodes.get_mut(*index as usize) else {
                     return Ok(Self { kind, nodes });
                 };

@@ -5,6 +5,7 @@ use crate::primitive::{Reader, Writer};
 
 /// The coarser versions of a model, by distance.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct GfxObjDegradeInfo {
     /// Data id as stored.
     pub id: u32,
@@ -14,6 +15,7 @@ pub struct GfxObjDegradeInfo {
 
 /// One version of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Degrade {
     /// GfxObj, 0 none.
     pub gfx_obj: u32,

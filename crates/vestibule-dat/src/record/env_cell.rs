@@ -6,6 +6,7 @@ use crate::primitive::{Frame, Reader, Writer};
 
 /// One indoor cell: a cell structure of an Environment placed in a landblock.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct EnvCell {
     /// Data id as stored.
     pub id: u32,
@@ -33,6 +34,7 @@ pub struct EnvCell {
 
 /// A way out of an EnvCell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct CellPortal {
     /// Bit 0 exact match; bit 1 clear: portal side 1; bit 2 leads outside.
     pub flags: u16,

@@ -7,6 +7,7 @@ use crate::primitive::{Bool32, Reader, Writer};
 
 /// A set of cell structures: the shapes that EnvCells place.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Environment {
     /// Data id as stored.
     pub id: u32,
@@ -16,6 +17,7 @@ pub struct Environment {
 
 /// The shape of a cell, in its own frame.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct CellStruct {
     /// Key by which EnvCells name it (E2).
     pub id: u32,

@@ -9,6 +9,7 @@ use crate::primitive::{CompressedForm, Reader, Writer};
 
 /// A rigid model: vertices, polygons to collide with, polygons to draw.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct GfxObj {
     /// Data id as stored.
     pub id: u32,
@@ -32,6 +33,7 @@ pub struct GfxObj {
 
 /// Polygons and the tree that splits them.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct GfxObjPolygons {
     /// The polygons.
     pub polygons: Vec<Polygon>,

@@ -7,14 +7,17 @@ use crate::primitive::{Bool32, Reader, Writer};
 ///
 /// Both arrays are x-major: index `9 * x + y`, x growing east, y north (L1).
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct LandBlock {
     /// Data id as stored.
     pub id: u32,
     /// Whether the block's LandBlockInfo exists (L3).
     pub has_objects: Bool32,
     /// Per vertex: bits 0-1 road, 2-6 terrain type, 7-10 unused, 11-15 scene index.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::record::serialize_array"))]
     pub terrain: [u16; 81],
     /// Per vertex: index into the Region's height table.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::record::serialize_array"))]
     pub height: [u8; 81],
 }
 

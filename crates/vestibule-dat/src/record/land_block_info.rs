@@ -7,6 +7,7 @@ use crate::primitive::{Frame, PackedHashTable, Reader, Writer};
 /// What stands on a landblock: its static objects and buildings. Frames are relative to the landblock's south-west
 /// corner (L4).
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct LandBlockInfo {
     /// Data id as stored.
     pub id: u32,
@@ -24,6 +25,7 @@ pub struct LandBlockInfo {
 
 /// A building: a model whose portals lead into EnvCells.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Building {
     /// GfxObj or Setup.
     pub model_id: u32,
@@ -37,6 +39,7 @@ pub struct Building {
 
 /// A way into a building.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct BuildingPortal {
     /// Bit 0 exact match; bit 1 clear: portal side 1.
     pub flags: u16,

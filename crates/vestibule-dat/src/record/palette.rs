@@ -5,6 +5,7 @@ use crate::primitive::{Argb, Reader, Writer};
 
 /// Colours by index.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Palette {
     /// Data id as stored.
     pub id: u32,

@@ -5,6 +5,7 @@ use crate::primitive::{CompressedForm, Reader, Writer};
 
 /// A polygon with its id, every field as stored.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Polygon {
     /// Key of the polygon in its owner's list.
     pub id: u16,
@@ -141,15 +142,8 @@ impl Polygon {
     }
 }
 
-/// The first polygon with this id (G10, G15: a second one with the same id is not used).
+/// The first polygon with this id (G10; a second one with the same id is not used, G15). A linear search: build an
+/// index where many are looked up.
 pub fn find_polygon(polygons: &[Polygon], id: u16) -> Option<&Polygon> {
-    match polygons.get(usize::from(id)) {
-        // Positions and ids agree in retail data; a duplicate before this place would have to be found first.
-        Some(polygon)
-            if polygon.id == id && polygons.iter().take(usize::from(id)).all(|other| other.id != id) =>
-        {
-            Some(polygon)
-        }
-        _ => polygons.iter().find(|polygon| polygon.id == id),
-    }
+    polygons.iter().find(|polygon| polygon.id == id)
 }

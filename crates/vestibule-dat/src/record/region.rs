@@ -15,6 +15,7 @@ use crate::primitive::{LegacyString, Reader, Writer};
 
 /// Settings of a landscape: its measures, time, sky, sounds, scenery and terrain.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Region {
     /// Data id as stored.
     pub id: u32,
@@ -44,6 +45,7 @@ pub struct Region {
 
 /// Odds and ends of a region.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct RegionMisc {
     /// Version.
     pub version: u32,

@@ -5,6 +5,7 @@ use crate::primitive::{Reader, Writer};
 
 /// The pixels of a texture, undecoded. Rows run from top to bottom without padding (X12).
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct RenderSurface {
     /// Data id as stored.
     pub id: u32,

@@ -5,6 +5,7 @@ use crate::primitive::{Frame, Reader, Writer};
 
 /// Scenery that terrain of one kind may grow.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Scene {
     /// Data id as stored.
     pub id: u32,
@@ -14,6 +15,7 @@ pub struct Scene {
 
 /// One kind of scenery object.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ObjectDesc {
     /// GfxObj or Setup.
     pub object_id: u32,

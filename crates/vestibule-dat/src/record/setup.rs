@@ -7,6 +7,7 @@ use crate::primitive::{Argb, CylSphere, Frame, Reader, Sphere, Writer};
 
 /// An object of several parts, with what it collides as.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Setup {
     /// Data id as stored.
     pub id: u32,
@@ -56,6 +57,7 @@ pub struct Setup {
 
 /// A place on a part.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Location {
     /// Its key.
     pub location: i32,
@@ -67,6 +69,7 @@ pub struct Location {
 
 /// A pose: a frame for every part.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct PlacementFrame {
     /// Its key; see [`Setup::RESTING`].
     pub placement: i32,
@@ -78,6 +81,7 @@ pub struct PlacementFrame {
 
 /// An animation hook. Only its length is known here; the payload is kept as bytes.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Hook {
     /// Type, 0 to 0x19.
     pub hook_type: u32,
@@ -89,6 +93,7 @@ pub struct Hook {
 
 /// A light of an object.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Light {
     /// Its key.
     pub key: i32,

@@ -5,6 +5,7 @@ use crate::primitive::{Frame, Reader, Writer};
 
 /// A static object, placed in the frame of the landblock.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Stab {
     /// GfxObj or Setup.
     pub id: u32,

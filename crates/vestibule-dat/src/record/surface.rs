@@ -5,6 +5,7 @@ use crate::primitive::{Argb, Reader, Writer};
 
 /// How a polygon is painted. The record holds no id.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Surface {
     /// Type bits, the constants of this type.
     pub surface_type: u32,
@@ -20,6 +21,7 @@ pub struct Surface {
 
 /// What a surface is painted with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Paint {
     /// A picture.
     Image {

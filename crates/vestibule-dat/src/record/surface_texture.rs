@@ -5,6 +5,7 @@ use crate::primitive::{Reader, Writer};
 
 /// The sizes in which a texture exists.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SurfaceTexture {
     /// Data id as stored.
     pub id: u32,

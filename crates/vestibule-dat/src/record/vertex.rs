@@ -10,6 +10,7 @@ const VERTEX_TYPE: u32 = 1;
 
 /// One vertex.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Vertex {
     /// Its id, by which polygons name it; in retail data also its position in the array.
     pub id: u16,
@@ -23,6 +24,7 @@ pub struct Vertex {
 
 /// The vertices of a GfxObj or of one cell structure.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct VertexArray {
     /// In file order.
     pub vertices: Vec<Vertex>,

@@ -5,6 +5,7 @@ use crate::record::RecordError;
 
 /// How the land is divided and how high it is.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct LandDefs {
     /// Landblocks from west to east.
     pub num_block_length: i32,
@@ -23,6 +24,7 @@ pub struct LandDefs {
     /// Width of a road, metres.
     pub road_width: f32,
     /// Metres for each height byte of a landblock; always taken from the record (X8).
+    #[cfg_attr(feature = "serde", serde(serialize_with = "crate::record::serialize_array"))]
     pub land_height_table: [f32; 256],
 }
 

@@ -5,6 +5,7 @@ use crate::record::RecordError;
 
 /// Ambient sounds.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SoundDesc {
     /// Sets of sounds; a scene type names one by position.
     pub tables: Vec<AmbientSoundTable>,
@@ -12,6 +13,7 @@ pub struct SoundDesc {
 
 /// One set of ambient sounds.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct AmbientSoundTable {
     /// SoundTable.
     pub sound_table: u32,
@@ -21,6 +23,7 @@ pub struct AmbientSoundTable {
 
 /// An ambient sound.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct AmbientSound {
     /// Which sound of the table.
     pub sound: u32,
@@ -36,6 +39,7 @@ pub struct AmbientSound {
 
 /// Scenery by kind of terrain.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SceneDesc {
     /// Scene types; a terrain type names them by position.
     pub scene_types: Vec<SceneType>,
@@ -43,6 +47,7 @@ pub struct SceneDesc {
 
 /// One kind of scenery.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SceneType {
     /// Position in `SoundDesc::tables`, -1 none.
     pub stb_index: i32,

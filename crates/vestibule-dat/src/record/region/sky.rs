@@ -5,6 +5,7 @@ use crate::record::RecordError;
 
 /// The calendar.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct GameTime {
     /// Seconds at which the first year begins.
     pub zero_time_of_year: f64,
@@ -26,6 +27,7 @@ pub struct GameTime {
 
 /// A part of the day.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct TimeOfDay {
     /// When it begins, as a fraction of the day.
     pub start: f32,
@@ -37,6 +39,7 @@ pub struct TimeOfDay {
 
 /// A season.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Season {
     /// Day of the year on which it begins.
     pub start: u32,
@@ -46,6 +49,7 @@ pub struct Season {
 
 /// The skies.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SkyDesc {
     /// Seconds between two updates of the sky.
     pub tick_size: f64,
@@ -57,6 +61,7 @@ pub struct SkyDesc {
 
 /// One kind of weather.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct DayGroup {
     /// How likely it is.
     pub chance: f32,
@@ -70,6 +75,7 @@ pub struct DayGroup {
 
 /// Something in the sky.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SkyObject {
     /// When it rises, as a fraction of the day.
     pub begin_time: f32,
@@ -93,6 +99,7 @@ pub struct SkyObject {
 
 /// Light and fog from one time of day on.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SkyTime {
     /// When, as a fraction of the day.
     pub begin: f32,
@@ -122,6 +129,7 @@ pub struct SkyTime {
 
 /// How one of the sky's objects looks from one time of day on.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SkyObjectReplace {
     /// Position in `DayGroup::sky_objects`.
     pub object_index: u32,

@@ -5,6 +5,7 @@ use crate::record::{RecordError, RecordErrorKind};
 
 /// Terrain types and textures.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct TerrainDesc {
     /// Terrain types; a landblock's terrain word names one by position.
     pub terrain_types: Vec<TerrainType>,
@@ -14,6 +15,7 @@ pub struct TerrainDesc {
 
 /// One type of terrain.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct TerrainType {
     /// Name.
     pub name: LegacyString,
@@ -25,6 +27,7 @@ pub struct TerrainType {
 
 /// How terrain textures merge.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct TexMerge {
     /// Side of a merged texture, pixels.
     pub base_tex_size: u32,
@@ -40,6 +43,7 @@ pub struct TexMerge {
 
 /// A blend map between terrains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct TerrainAlphaMap {
     /// Which corners are the other terrain's.
     pub tcode: u32,
@@ -49,6 +53,7 @@ pub struct TerrainAlphaMap {
 
 /// A blend map of roads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct RoadMap {
     /// Which corners are road.
     pub rcode: u32,
@@ -58,6 +63,7 @@ pub struct RoadMap {
 
 /// The texture of a terrain type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct TerrainTexture {
     /// The terrain type.
     pub terrain_type: u32,

@@ -1,0 +1,382 @@
+//! Walks through physics BSPs (`transition.md` 6.1, 6.3, 6.4, 6.6, 6.8, 6.9). Everything is in the tree's space.
+//!
+//! All walks share a skeleton: prune by the node's bounding sphere, follow one side while the sphere does not
+//! straddle the plane, both sides in the order of the rule where it does. They loop along the single side and
+//! recurse only where the sphere straddles.
+
+use glam::Vec3;
+use vestibule_world::{Child, ChildKind, Face, PhysicsBsp, PhysicsNode, Sphere};
+
+use crate::constants::{ADJUST_TO_PLANE_BUDGET, BISECTION_STOP, EPSILON};
+use crate::polygon;
+
+/// Whether two spheres overlap as the walks see it: grazing ones do (6.1).
+#[inline]
+pub(crate) fn spheres_overlap(a: &Sphere, b: &Sphere) -> bool {
+    let between = a.center - b.center;
+    let reach = a.radius + b.radius;
+    between.dot(between) - reach * reach < EPSILON
+}
+
+/// Which children of a node a sphere reaches.
+enum Reach {
+    /// Neither: the node is pruned.
+    None,
+    /// In front only.
+    Positive,
+    /// Behind only.
+    Negative,
+    /// Both; the distance of the centre from the plane.
+    Both(f32),
+}
+
+/// `radius` is the sphere's own except where a rule says otherwise; the prune always uses the sphere.
+#[inline]
+fn reach(node: &PhysicsNode, s: &Sphere, radius: f32) -> Reach {
+    // A PORT node has no sphere and is not pruned.
+    if node.sphere.is_some_and(|bound| !spheres_overlap(&bound, s)) {
+        return Reach::None;
+    }
+    let dist = node.plane.dist(s.center);
+    let reach = radius - EPSILON;
+    if dist >= reach {
+        Reach::Positive
+    } else if dist <= -reach {
+        Reach::Negative
+    } else {
+        Reach::Both(dist)
+    }
+}
+
+/// The faces of a leaf that the sphere may touch: none when there are none or its bounding sphere is missed.
+#[inline]
+fn reached_faces<'b>(bsp: &'b PhysicsBsp, leaf: usize, s: &Sphere) -> &'b [Face] {
+    match bsp.leaves().get(leaf) {
+        Some(leaf) if leaf.count != 0 && spheres_overlap(&leaf.sphere, s) => bsp.faces_of(leaf),
+        _ => &[],
+    }
+}
+
+/// The first polygon that the sphere overlaps and moves into (6.4). `named` is left at the last polygon it
+/// overlapped, moved into or not (6.5.3).
+pub(crate) fn sphere_intersects_poly<'b>(
+    bsp: &'b PhysicsBsp,
+    s: &Sphere,
+    movement: Vec3,
+    named: &mut Option<&'b Face>,
+) -> bool {
+    intersects_poly(bsp, bsp.root, s, movement, named)
+}
+
+fn intersects_poly<'b>(
+    bsp: &'b PhysicsBsp,
+    mut at: Child,
+    s: &Sphere,
+    movement: Vec3,
+    named: &mut Option<&'b Face>,
+) -> bool {
+    loop {
+        match at.kind() {
+            ChildKind::Absent => return false,
+            ChildKind::Leaf(leaf) => {
+                for face in reached_faces(bsp, leaf, s) {
+                    if polygon::polygon_hits_sphere(face, bsp.edges(face), s) {
+                        *named = Some(face);
+                        if movement.dot(face.plane.normal) < 0.0 {
+                            return true;
+                        }
+                    }
+                }
+                return false;
+            }
+            ChildKind::Node(index) => {
+                let Some(node) = bsp.nodes().get(index) else {
+                    return false;
+                };
+                match reach(node, s, s.radius) {
+                    Reach::None => return false,
+                    Reach::Positive => at = node.positive,
+                    Reach::Negative => at = node.negative,
+                    Reach::Both(_) => {
+                        if intersects_poly(bsp, node.positive, s, movement, named) {
+                            return true;
+                        }
+                        at = node.negative;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What [`find_walkable`] works on.
+pub(crate) struct WalkableSearch<'b> {
+    pub(crate) sphere: Sphere,
+    pub(crate) movement: Vec3,
+    pub(crate) up: Vec3,
+    pub(crate) walkable_allowance: f32,
+    pub(crate) walk_interp: f32,
+    /// The last polygon the sphere was moved onto.
+    pub(crate) found: Option<&'b Face>,
+}
+
+/// Moves the sphere back along its movement onto every polygon level enough to stand on, one after the other
+/// (6.6.2). Never stops early: the last success wins, and each polygon sees the sphere as the last one left it.
+pub(crate) fn find_walkable<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>) {
+    walkable_below(bsp, bsp.root, search);
+}
+
+fn walkable_below<'b>(bsp: &'b PhysicsBsp, mut at: Child, search: &mut WalkableSearch<'b>) {
+    loop {
+        match at.kind() {
+            ChildKind::Absent => return,
+            ChildKind::Leaf(leaf) => {
+                for face in reached_faces(bsp, leaf, &search.sphere) {
+                    let edges = bsp.edges(face);
+                    let (up, allowance) = (search.up, search.walkable_allowance);
+                    if polygon::walkable_hits_sphere(face, edges, &search.sphere, up, allowance)
+                        && polygon::adjust_sphere_to_plane(
+                            &face.plane,
+                            &mut search.sphere,
+                            search.movement,
+                            &mut search.walk_interp,
+                        )
+                    {
+                        search.found = Some(face);
+                    }
+                }
+                return;
+            }
+            ChildKind::Node(index) => {
+                let Some(node) = bsp.nodes().get(index) else {
+                    return;
+                };
+                match reach(node, &search.sphere, search.sphere.radius) {
+                    Reach::None => return,
+                    Reach::Positive => at = node.positive,
+                    Reach::Negative => at = node.negative,
+                    Reach::Both(_) => {
+                        walkable_below(bsp, node.positive, search);
+                        at = node.negative;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Whether some polygon level enough to stand on supports the sphere (6.6.3).
+pub(crate) fn hits_walkable(bsp: &PhysicsBsp, s: &Sphere, up: Vec3, walkable_allowance: f32) -> bool {
+    walkable_hit(bsp, bsp.root, s, up, walkable_allowance)
+}
+
+fn walkable_hit(bsp: &PhysicsBsp, mut at: Child, s: &Sphere, up: Vec3, allowance: f32) -> bool {
+    loop {
+        match at.kind() {
+            ChildKind::Absent => return false,
+            ChildKind::Leaf(leaf) => {
+                return reached_faces(bsp, leaf, s).iter().any(|face| {
+                    let edges = bsp.edges(face);
+                    polygon::walkable_hits_sphere(face, edges, s, up, allowance)
+                        && polygon::check_small_walkable(face, edges, s, up)
+                });
+            }
+            ChildKind::Node(index) => {
+                let Some(node) = bsp.nodes().get(index) else {
+                    return false;
+                };
+                match reach(node, s, s.radius) {
+                    Reach::None => return false,
+                    Reach::Positive => at = node.positive,
+                    Reach::Negative => at = node.negative,
+                    Reach::Both(_) => {
+                        if walkable_hit(bsp, node.positive, s, up, allowance) {
+                            return true;
+                        }
+                        at = node.negative;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Whether the point is in front of solid ground: in a leaf that has polygons (6.3.1).
+pub fn point_intersects_solid(bsp: &PhysicsBsp, p: Vec3) -> bool {
+    let mut at = bsp.root;
+    loop {
+        match at.kind() {
+            ChildKind::Absent => return false,
+            ChildKind::Leaf(leaf) => return bsp.leaves().get(leaf).is_some_and(|l| l.count != 0),
+            ChildKind::Node(index) => {
+                let Some(node) = bsp.nodes().get(index) else {
+                    return false;
+                };
+                at = if node.plane.dist(p) >= 0.0 {
+                    node.positive
+                } else {
+                    node.negative
+                };
+            }
+        }
+    }
+}
+
+/// Whether the sphere overlaps a polygon, or its centre a solid leaf when `center_check` (6.3.2).
+pub(crate) fn sphere_intersects_solid(bsp: &PhysicsBsp, s: &Sphere, center_check: bool) -> bool {
+    solid(bsp, bsp.root, s, center_check)
+}
+
+fn solid(bsp: &PhysicsBsp, mut at: Child, s: &Sphere, mut center_check: bool) -> bool {
+    loop {
+        match at.kind() {
+            ChildKind::Absent => return false,
+            ChildKind::Leaf(index) => {
+                let Some(leaf) = bsp.leaves().get(index) else {
+                    return false;
+                };
+                if leaf.count == 0 {
+                    return false;
+                }
+                if leaf.solid && center_check {
+                    return true;
+                }
+                return reached_faces(bsp, index, s)
+                    .iter()
+                    .any(|face| polygon::polygon_hits_sphere(face, bsp.edges(face), s));
+            }
+            ChildKind::Node(index) => {
+                let Some(node) = bsp.nodes().get(index) else {
+                    return false;
+                };
+                match reach(node, s, s.radius) {
+                    Reach::None => return false,
+                    Reach::Positive => at = node.positive,
+                    Reach::Negative => at = node.negative,
+                    Reach::Both(dist) => {
+                        // Only the child on the centre's side is asked about the centre.
+                        let in_front = dist >= 0.0;
+                        if solid(bsp, node.positive, s, center_check && in_front) {
+                            return true;
+                        }
+                        center_check = center_check && !in_front;
+                        at = node.negative;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What [`sphere_intersects_solid_poly`] finds. The walk sets these and never clears them.
+#[derive(Default)]
+pub(crate) struct SolidPoly<'b> {
+    pub(crate) center_solid: bool,
+    pub(crate) hit: Option<&'b Face>,
+}
+
+/// As [`sphere_intersects_solid`], naming the polygon; `radius` decides what straddles (6.3.3).
+pub(crate) fn sphere_intersects_solid_poly<'b>(
+    bsp: &'b PhysicsBsp,
+    s: &Sphere,
+    radius: f32,
+    found: &mut SolidPoly<'b>,
+    center_check: bool,
+) -> bool {
+    solid_poly(bsp, bsp.root, s, radius, found, center_check)
+}
+
+fn solid_poly<'b>(
+    bsp: &'b PhysicsBsp,
+    mut at: Child,
+    s: &Sphere,
+    radius: f32,
+    found: &mut SolidPoly<'b>,
+    mut center_check: bool,
+) -> bool {
+    loop {
+        match at.kind() {
+            ChildKind::Absent => return false,
+            ChildKind::Leaf(index) => {
+                let Some(leaf) = bsp.leaves().get(index) else {
+                    return false;
+                };
+                if leaf.count == 0 {
+                    return false;
+                }
+                if center_check && leaf.solid {
+                    found.center_solid = true;
+                }
+                let hits = |face: &&Face| polygon::polygon_hits_sphere(face, bsp.edges(face), s);
+                if let Some(face) = reached_faces(bsp, index, s).iter().find(hits) {
+                    found.hit = Some(face);
+                    return true;
+                }
+                return found.center_solid;
+            }
+            ChildKind::Node(index) => {
+                let Some(node) = bsp.nodes().get(index) else {
+                    return false;
+                };
+                match reach(node, s, radius) {
+                    Reach::None => return false,
+                    Reach::Positive => at = node.positive,
+                    Reach::Negative => at = node.negative,
+                    Reach::Both(dist) => {
+                        let (near, far) = if dist <= 0.0 {
+                            (node.negative, node.positive)
+                        } else {
+                            (node.positive, node.negative)
+                        };
+                        solid_poly(bsp, near, s, radius, found, center_check);
+                        if found.hit.is_some() {
+                            return found.center_solid;
+                        }
+                        center_check = false;
+                        at = far;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Moves `check` back towards `curr` until it just does not touch (6.8). `None` when the budget runs out.
+pub(crate) fn adjust_to_plane(bsp: &PhysicsBsp, check: &Sphere, curr: Vec3, struck: &Face) -> Option<Vec3> {
+    let m = check.center - curr;
+    let at = |t: f64| {
+        let t = t as f32;
+        Sphere::new(curr + m * t, check.radius)
+    };
+    let (mut lower, mut upper) = (0.0f64, 1.0f64);
+    let mut poly = Some(struck);
+    let mut i = 0;
+    while let Some(face) = poly {
+        let t = polygon::adjust_sphere_to_poly(&face.plane, check.radius, curr, m);
+        if t == 1.0 {
+            break;
+        }
+        if !sphere_intersects_poly(bsp, &at(t), m, &mut poly) {
+            lower = t;
+            break;
+        }
+        upper = t;
+        i += 1;
+        if i >= ADJUST_TO_PLANE_BUDGET {
+            return None;
+        }
+    }
+    while i < ADJUST_TO_PLANE_BUDGET {
+        let mid = (lower + upper) / 2.0;
+        if sphere_intersects_poly(bsp, &at(mid), m, &mut poly) {
+            upper = mid;
+        } else {
+            lower = mid;
+        }
+        if upper - lower < BISECTION_STOP {
+            break;
+        }
+        i += 1;
+    }
+    Some(at(lower).center)
+}

@@ -1,0 +1,99 @@
+//! Stepping up, stepping down and asking for ground (`transition.md` 5.7 to 5.9).
+
+use glam::Vec3;
+
+use crate::constants::{DEFAULT_STEP_HEIGHT, FLOOR_Z, STEP_DOWN_ATTEMPTS, Z_FOR_LANDING};
+use crate::flags::ObjectState;
+use crate::polygon;
+use crate::transition::{InsertType, Transition, TransitionState};
+
+impl Transition<'_, '_> {
+    /// Tries to get onto what has the normal `n`. Nothing is lifted here: the search for ground below lifts a
+    /// sphere that overlaps it (5.7).
+    pub(crate) fn step_up(&mut self, n: Vec3) -> bool {
+        self.info.clear_contact_plane();
+        self.path.step_up = true;
+        self.path.step_up_normal = n;
+        let (h, z) = if self.object.is(ObjectState::ON_WALKABLE) {
+            (self.object.step_up_height, FLOOR_Z)
+        } else {
+            (DEFAULT_STEP_HEIGHT, Z_FOR_LANDING)
+        };
+        self.path.walkable_allowance = z;
+        self.path.save_check_pos();
+        let ok = self.step_down(h, z);
+        self.path.step_up = false;
+        self.path.walkable = None;
+        if !ok {
+            self.path.restore_check_pos();
+        }
+        ok
+    }
+
+    /// Lowers the candidate by `h` and lets ground lift it again. Nothing is restored on failure (5.8).
+    pub(crate) fn step_down(&mut self, h: f32, z: f32) -> bool {
+        self.path.neg_poly_hit = None;
+        self.path.step_down = true;
+        self.path.step_down_amt = h;
+        self.path.walk_interp = 1.0;
+        if !self.path.step_up {
+            self.path.add_offset_to_check_pos(Vec3::new(0.0, 0.0, -h));
+        }
+        let ts = self.transitional_insert(STEP_DOWN_ATTEMPTS);
+        self.path.step_down = false;
+        if ts != TransitionState::Ok
+            || !self.info.contact.valid
+            || self.info.contact.plane.normal.z < z
+            || !(!self.object.is(ObjectState::EDGE_SLIDE) || self.path.step_up || self.check_walkable(z))
+        {
+            return false;
+        }
+        let pushed = core::mem::replace(&mut self.path.insert_type, InsertType::Placement);
+        let ts = self.transitional_insert(1);
+        self.path.insert_type = pushed;
+        ts == TransitionState::Ok
+    }
+
+    /// Whether there is still ground under the candidate (5.9).
+    pub(crate) fn check_walkable(&mut self, z: f32) -> bool {
+        if !self.object.is(ObjectState::ON_WALKABLE) || self.check_walkables() {
+            return true;
+        }
+        // Not the shared backup: the caller's is in there.
+        let (pos, cell) = (self.path.check_pos, self.path.check_cell);
+        self.path.walkable_allowance = z;
+        self.path.check_walkable = true;
+        let mut h = self.object.step_down_height;
+        let r = self.path.global_sphere[0].radius;
+        if self.path.num_sphere < 2 && h > 2.0 * r {
+            h = r / 2.0;
+        }
+        if h > 2.0 * r {
+            h /= 2.0;
+        }
+        self.path.add_offset_to_check_pos(Vec3::new(0.0, 0.0, -h));
+        let ts = self.transitional_insert(1);
+        self.path.check_walkable = false;
+        self.path.set_check_pos(&pos, cell);
+        ts != TransitionState::Ok
+    }
+
+    /// Whether the polygon last stood on supports the sphere it was chosen for, at half the radius (2.2.13).
+    fn check_walkables(&mut self) -> bool {
+        let persistent = self.settings.persistent_walkable_halving;
+        let Some(walkable) = &mut self.path.walkable else {
+            return true;
+        };
+        let mut sphere = walkable.check_pos;
+        sphere.radius *= 0.5;
+        if persistent {
+            walkable.check_pos = sphere;
+        }
+        polygon::check_walkable(
+            walkable.face,
+            walkable.bsp.edges(walkable.face),
+            &sphere,
+            walkable.up,
+        )
+    }
+}

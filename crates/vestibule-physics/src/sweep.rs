@@ -1,0 +1,395 @@
+//! The sweep itself as a function: a mover, what it carries, from where to where; a value comes back
+//! (`transition.md` 3.1).
+
+use glam::Vec3;
+use vestibule_world::{CellArray, CellEntry, CellId, Plane, Position, Sphere, World};
+
+use crate::collision_info::CollisionInfo;
+use crate::constants::{DUMMY_SPHERE_RADIUS, STEP_HEIGHT_WITHOUT_SETUP};
+use crate::error::SweepError;
+use crate::flags::{ObjectKind, ObjectState, PhysicsState};
+use crate::obj_collisions::ObjectRef;
+use crate::object_info::ObjectInfo;
+use crate::population::{BodyId, Population};
+use crate::sphere_path::SpherePath;
+use crate::transition::{Transition, calc_num_steps, cell_ref};
+
+/// A plane a body is in contact with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPlane {
+    /// The plane, in the frame of the landblock of `cell`, metres.
+    pub plane: Plane,
+    /// The cell whose landblock the plane is given in.
+    pub cell: CellId,
+    /// The surface is water, or the top of an object that is made of spheres or cylinders (`transition.md` 8.3).
+    pub is_water: bool,
+}
+
+/// What a body carries from one sweep into the next (`transition.md` 3.1, 3.2).
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Carried {
+    /// The plane the body is in contact with.
+    pub contact: Option<ContactPlane>,
+    /// That plane can be walked on. Without contact this has no effect.
+    pub on_walkable: bool,
+    /// A plane the body has just left, when there is no contact: it moves away from it, as in a jump.
+    pub last_known: Option<ContactPlane>,
+    /// Normal of what the body slid along.
+    pub sliding_normal: Option<Vec3>,
+    /// How many moves the body has made no progress in, 0 to 3.
+    pub stationary: u8,
+}
+
+/// Who is swept: its spheres and what decides how it collides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mover {
+    spheres: [Sphere; 2],
+    count: u8,
+    /// How high it steps up on walkable ground, metres.
+    pub step_up_height: f32,
+    /// How far it steps down on walkable ground, metres.
+    pub step_down_height: f32,
+    /// Bits of its ObjectInfo. [`ObjectState::CONTACT`] and [`ObjectState::ON_WALKABLE`] come from [`Carried`].
+    pub state: ObjectState,
+    /// Its physics state; gravity, missile and ethereal matter here.
+    pub physics: PhysicsState,
+    /// What the game says of it; players may be kept out of restricted cells.
+    pub kind: ObjectKind,
+    /// The body it is, which then does not collide with itself.
+    pub body: Option<BodyId>,
+    /// What a missile is meant for.
+    pub target: Option<BodyId>,
+}
+
+impl Mover {
+    /// A mover with these spheres, relative to its origin, metres; the first is the lower one, more than two are
+    /// ignored, and without any it is a ball of radius 0.1 m (`transition.md` 1.2). It is under gravity, keeps
+    /// off edges and hardly steps up or down until told otherwise.
+    ///
+    /// # Errors
+    /// A number is not finite, or a radius is negative.
+    pub fn new(spheres: &[Sphere]) -> Result<Self, SweepError> {
+        let dummy = Sphere::new(Vec3::new(0.0, 0.0, DUMMY_SPHERE_RADIUS), DUMMY_SPHERE_RADIUS);
+        let given = if spheres.is_empty() {
+            core::slice::from_ref(&dummy)
+        } else {
+            spheres
+        };
+        let mut mover = Mover {
+            spheres: [Sphere::default(); 2],
+            count: given.len().min(2) as u8,
+            step_up_height: STEP_HEIGHT_WITHOUT_SETUP,
+            step_down_height: STEP_HEIGHT_WITHOUT_SETUP,
+            state: ObjectState::EDGE_SLIDE,
+            physics: PhysicsState::DEFAULT,
+            kind: ObjectKind::NONE,
+            body: None,
+            target: None,
+        };
+        for (slot, sphere) in mover.spheres.iter_mut().zip(given) {
+            if !sphere.center.is_finite() || !sphere.radius.is_finite() {
+                return Err(SweepError::NotFinite { what: "sphere" });
+            }
+            if sphere.radius < 0.0 {
+                return Err(SweepError::NegativeRadius {
+                    radius: sphere.radius,
+                });
+            }
+            *slot = *sphere;
+        }
+        Ok(mover)
+    }
+
+    /// A player: two spheres of 0.48 m, stepping up 0.6 m and down 1.5 m (`transition.md` 9.5).
+    pub fn player() -> Self {
+        Mover {
+            spheres: crate::locomotion::PLAYER_SPHERES,
+            count: 2,
+            step_up_height: crate::locomotion::PLAYER_STEP_UP,
+            step_down_height: crate::locomotion::PLAYER_STEP_DOWN,
+            state: ObjectState::EDGE_SLIDE,
+            physics: PhysicsState::DEFAULT,
+            kind: ObjectKind::NONE,
+            body: None,
+            target: None,
+        }
+    }
+
+    /// The same mover with these step heights, metres.
+    #[must_use]
+    pub fn with_steps(self, up: f32, down: f32) -> Self {
+        Mover {
+            step_up_height: up,
+            step_down_height: down,
+            ..self
+        }
+    }
+
+    /// The spheres, relative to the origin of the position, metres.
+    pub fn spheres(&self) -> &[Sphere] {
+        &self.spheres[..usize::from(self.count).min(2)]
+    }
+
+    fn object_info(&self) -> ObjectInfo {
+        let mut state = self
+            .state
+            .without(ObjectState::CONTACT | ObjectState::ON_WALKABLE);
+        for (kind, bit) in [
+            (ObjectKind::PLAYER, ObjectState::IS_PLAYER),
+            (ObjectKind::IMPENETRABLE, ObjectState::IS_IMPENETRABLE),
+            (ObjectKind::PK, ObjectState::IS_PK),
+            (ObjectKind::PKLITE, ObjectState::IS_PKLITE),
+        ] {
+            if self.kind.has(kind) {
+                state.set(bit, true);
+            }
+        }
+        let missile = self.physics.has(PhysicsState::MISSILE);
+        ObjectInfo {
+            state,
+            step_up_height: self.step_up_height,
+            step_down_height: self.step_down_height,
+            ethereal: self.physics.has(PhysicsState::ETHEREAL),
+            step_down: !missile,
+            missile,
+            gravity: self.physics.has(PhysicsState::GRAVITY),
+            kind: self.kind,
+            body: self.body,
+            target: self.target,
+        }
+    }
+}
+
+/// An object a sweep ran into (`transition.md` 8.2.8).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Touch {
+    /// Which one.
+    pub object: ObjectRef,
+    /// It stopped or deflected the mover; otherwise it was only touched, as an open door is.
+    pub stopped: bool,
+}
+
+/// Working memory of sweeps. Keep one per thread: after the first few sweeps nothing is allocated any more.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    pub(crate) cell_array: CellArray,
+    pub(crate) touched: Vec<Touch>,
+}
+
+impl Scratch {
+    /// Empty working memory.
+    pub fn new() -> Self {
+        Scratch {
+            cell_array: CellArray::new(),
+            touched: Vec::with_capacity(16),
+        }
+    }
+
+    /// The cells the mover reached when the last sweep ended, in retail's order.
+    pub fn cells(&self) -> &[CellEntry] {
+        self.cell_array.entries()
+    }
+
+    /// The objects the last sweep ran into, in order.
+    pub fn touched(&self) -> &[Touch] {
+        &self.touched
+    }
+}
+
+/// Where a sweep ended and what it met. Nothing is written anywhere until this is committed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Swept {
+    /// The sweep's own verdict. A body that was blocked has `ok` set and an unchanged place; a sweep that is not
+    /// `ok` must not be committed.
+    pub ok: bool,
+    /// The cell the sweep carried the mover into; `None` when it left the known world ("lost cell").
+    pub cell: Option<CellId>,
+    /// The last accepted position. Its cell id names the landblock the origin is relative to, also when `cell`
+    /// is `None`.
+    pub position: Position,
+    /// The plane the mover is in contact with.
+    pub contact: Option<ContactPlane>,
+    /// That plane can be walked on.
+    pub on_walkable: bool,
+    /// Normal of what the mover ran into, global; zero when it has no direction.
+    pub collision_normal: Option<Vec3>,
+    /// Horizontal normal of what the next move slides along.
+    pub sliding_normal: Option<Vec3>,
+    /// Hit the surroundings while not in contact.
+    pub collided_with_environment: bool,
+    /// Moves without progress so far, 0 to 3.
+    pub stationary: u8,
+    /// The sweep took the mover's velocity away (retail `kill_velocity`).
+    pub velocity_killed: bool,
+}
+
+impl Swept {
+    /// What the mover carries into its next sweep: see [`Carried`]. A count of three starts again
+    /// (`transition.md` 9.2.5).
+    pub fn carried(&self) -> Carried {
+        Carried {
+            contact: self.contact,
+            on_walkable: self.on_walkable,
+            last_known: None,
+            sliding_normal: self.sliding_normal,
+            stationary: if self.stationary >= 3 { 0 } else { self.stationary },
+        }
+    }
+}
+
+/// Sweeps `mover` from `from` to `to`. Reads `world` and `population`; what the mover touched and the cells it
+/// reached are left in `scratch`.
+///
+/// `from.cell` is the cell the mover is in; `to` may name any landblock. A cell that is not resident, or an
+/// unknown one, gives a sweep that is not [`Swept::ok`] and moves nothing (`transition.md` I10).
+///
+/// # Errors
+/// Input that is not finite, or a move of more steps than [`crate::Settings::max_steps`].
+pub fn sweep(
+    world: &World,
+    population: &Population,
+    scratch: &mut Scratch,
+    mover: &Mover,
+    carried: &Carried,
+    from: &Position,
+    to: &Position,
+) -> Result<Swept, SweepError> {
+    check_input(mover, carried, from)?;
+    if !to.is_finite() {
+        return Err(SweepError::NotFinite {
+            what: "target position",
+        });
+    }
+    let settings = *population.settings();
+    let viewer = mover.state.has(ObjectState::IS_VIEWER);
+    let plan = calc_num_steps(from.offset_to(to), mover.spheres[0].radius, viewer);
+    if plan.steps > settings.max_steps {
+        return Err(SweepError::TooManySteps {
+            steps: plan.steps,
+            limit: settings.max_steps,
+        });
+    }
+    if !plan.offset.is_finite() {
+        return Err(SweepError::NotFinite {
+            what: "length of the move",
+        });
+    }
+    let cell = cell_ref(world, from.cell);
+    let path = SpherePath::new(mover.spheres(), cell, Some(*from), *to);
+    let mut transition = begin(world, population, scratch, mover, carried, path);
+    let ok = transition.find_valid_position(&plan);
+    transition.outcome(ok)
+}
+
+/// Places `mover` at `at` without coming from anywhere, as after a teleport (`transition.md` 3.6): out of what
+/// is solid, beside what is in the way if `slide`, and down onto the ground. `at.cell` must be the cell that
+/// holds the mover, see [`vestibule_world::adjust_position`]. `do_not_load_cells` keeps to cells that can be
+/// seen from there (`world.md` 13.5).
+///
+/// # Errors
+/// Input that is not finite.
+pub fn place(
+    world: &World,
+    population: &Population,
+    scratch: &mut Scratch,
+    mover: &Mover,
+    at: &Position,
+    slide: bool,
+    do_not_load_cells: bool,
+) -> Result<Swept, SweepError> {
+    let carried = Carried::default();
+    check_input(mover, &carried, at)?;
+    let cell = cell_ref(world, at.cell);
+    let path = SpherePath::new(mover.spheres(), cell, None, *at);
+    let mut transition = begin(world, population, scratch, mover, &carried, path);
+    transition.path.placement_allows_sliding = slide;
+    transition.cell_array.do_not_load_cells = do_not_load_cells;
+    let ok = transition.find_valid_position(&calc_num_steps(Vec3::ZERO, 1.0, false));
+    transition.cell_array.do_not_load_cells = false;
+    transition.outcome(ok)
+}
+
+fn check_input(mover: &Mover, carried: &Carried, from: &Position) -> Result<(), SweepError> {
+    let contact =
+        |c: &Option<ContactPlane>| c.is_none_or(|c| c.plane.normal.is_finite() && c.plane.d.is_finite());
+    let what = if !from.is_finite() {
+        "position"
+    } else if !mover.step_up_height.is_finite() || !mover.step_down_height.is_finite() {
+        "step height"
+    } else if !contact(&carried.contact) || !contact(&carried.last_known) {
+        "contact plane"
+    } else if carried.sliding_normal.is_some_and(|n| !n.is_finite()) {
+        "sliding normal"
+    } else {
+        return Ok(());
+    };
+    Err(SweepError::NotFinite { what })
+}
+
+/// A transition ready to run.
+pub(crate) fn begin<'w, 's>(
+    world: &'w World,
+    population: &'w Population,
+    scratch: &'s mut Scratch,
+    mover: &Mover,
+    carried: &Carried,
+    path: SpherePath<'w>,
+) -> Transition<'w, 's> {
+    let mut object = mover.object_info();
+    let mut info = CollisionInfo {
+        frames_stationary_fall: carried.stationary,
+        ..CollisionInfo::default()
+    };
+    if let Some(c) = carried.contact {
+        info.init_contact_plane(c.plane, c.is_water, c.cell);
+        object.state.set(ObjectState::CONTACT, true);
+        object.state.set(ObjectState::ON_WALKABLE, carried.on_walkable);
+    } else if let Some(c) = carried.last_known {
+        info.init_last_known_contact_plane(c.plane, c.is_water, c.cell);
+    }
+    if let Some(n) = carried.sliding_normal {
+        info.init_sliding_normal(n);
+    }
+    scratch.cell_array.clear();
+    scratch.cell_array.do_not_load_cells = false;
+    scratch.touched.clear();
+    Transition {
+        world,
+        population,
+        settings: *population.settings(),
+        object,
+        path,
+        info,
+        cell_array: &mut scratch.cell_array,
+        touched: &mut scratch.touched,
+        depth: 0,
+    }
+}
+
+impl Transition<'_, '_> {
+    pub(crate) fn outcome(&self, ok: bool) -> Result<Swept, SweepError> {
+        let (path, info) = (&self.path, &self.info);
+        if !path.curr_pos.is_finite() {
+            return Err(SweepError::NotFinite {
+                what: "position reached",
+            });
+        }
+        let contact = info.contact.valid.then_some(ContactPlane {
+            plane: info.contact.plane,
+            cell: info.contact.cell,
+            is_water: info.contact.is_water,
+        });
+        Ok(Swept {
+            ok,
+            cell: path.curr_cell.map(|cell| cell.id()),
+            position: path.curr_pos,
+            contact,
+            on_walkable: contact.is_some_and(|c| crate::object_info::is_walkable_z(c.plane.normal.z)),
+            collision_normal: info.collision.get(),
+            sliding_normal: info.sliding.get(),
+            collided_with_environment: info.collided_with_environment,
+            stationary: info.frames_stationary_fall,
+            velocity_killed: info.velocity_killed,
+        })
+    }
+}

@@ -1,0 +1,197 @@
+//! Inserting the candidate into its cell and the cells around it (`transition.md` 5.1 to 5.6).
+
+use crate::constants::{DEFAULT_STEP_HEIGHT, FLOOR_Z, MAX_INSERTION_DEPTH, Z_FOR_LANDING};
+use crate::flags::ObjectState;
+use crate::sphere_path::CellRef;
+use crate::transition::{InsertType, Transition, TransitionState};
+
+impl<'w> Transition<'w, '_> {
+    /// Tries the candidate up to `n` times, as each attempt may move it (5.1).
+    pub(crate) fn transitional_insert(&mut self, n: u32) -> TransitionState {
+        if self.path.check_cell.is_none() {
+            return TransitionState::Ok;
+        }
+        if self.depth >= MAX_INSERTION_DEPTH {
+            return TransitionState::Collided;
+        }
+        self.depth += 1;
+        let ts = self.insert_attempts(n);
+        self.depth -= 1;
+        ts
+    }
+
+    fn insert_attempts(&mut self, n: u32) -> TransitionState {
+        let mut ts = TransitionState::Invalid;
+        for _ in 0..n {
+            ts = self.insert_into_cell(self.path.check_cell, n);
+            match ts {
+                TransitionState::Ok => {
+                    // The insertion may have moved the candidate to another cell.
+                    ts = self.check_other_cells(self.path.check_cell);
+                    if ts != TransitionState::Ok {
+                        self.path.neg_poly_hit = None;
+                    }
+                }
+                TransitionState::Slid => {
+                    self.info.clear_contact_plane();
+                    self.path.neg_poly_hit = None;
+                }
+                _ => self.path.neg_poly_hit = None,
+            }
+            if ts == TransitionState::Collided {
+                return ts;
+            }
+            if ts != TransitionState::Ok {
+                continue;
+            }
+            if self.path.collide {
+                return self.land(n);
+            }
+            let sub_mode = self.path.step_down || self.path.step_up;
+            if let (Some(hit), false) = (self.path.neg_poly_hit, sub_mode) {
+                self.path.neg_poly_hit = None;
+                if hit.step_up {
+                    if !self.step_up(hit.normal) {
+                        ts = self.step_up_slide();
+                    }
+                } else {
+                    ts = self.slide_foot_sphere(hit.normal);
+                }
+                continue;
+            }
+            if self.info.contact.valid
+                || !self.object.is(ObjectState::CONTACT)
+                || self.path.step_down
+                || self.path.check_cell.is_none()
+                || !self.object.step_down
+            {
+                return TransitionState::Ok;
+            }
+            if let Some(end) = self.search_ground(&mut ts) {
+                return end;
+            }
+        }
+        ts
+    }
+
+    /// Tests the candidate against one cell, up to `n` times (5.2).
+    pub(crate) fn insert_into_cell(&mut self, cell: Option<CellRef<'w>>, n: u32) -> TransitionState {
+        let Some(cell) = cell else {
+            return TransitionState::Collided;
+        };
+        let mut ts = TransitionState::Invalid;
+        for _ in 0..n {
+            ts = self.find_collisions_in_cell(cell);
+            match ts {
+                TransitionState::Ok | TransitionState::Collided => return ts,
+                TransitionState::Slid => self.info.clear_contact_plane(),
+                _ => {}
+            }
+        }
+        ts
+    }
+
+    /// Tests the candidate against the other cells it reaches, and finds the cell that contains it (5.3).
+    pub(crate) fn check_other_cells(&mut self, own: Option<CellRef<'w>>) -> TransitionState {
+        let own = own.map(|cell| cell.id());
+        // A step up below may rebuild the array; the cell found here stays.
+        let new_cell = self.build_cell_array(true);
+        let mut i = 0;
+        while let Some(entry) = self.cell_array.get(i) {
+            i += 1;
+            if !entry.resident || Some(entry.id) == own {
+                continue;
+            }
+            let Some(cell) = self.cell_ref(entry.id) else {
+                continue;
+            };
+            match self.find_collisions_in_cell(cell) {
+                TransitionState::Slid => {
+                    self.info.clear_contact_plane();
+                    return TransitionState::Slid;
+                }
+                ts @ (TransitionState::Collided | TransitionState::Adjusted) => return ts,
+                _ => {}
+            }
+        }
+        self.path.check_cell = new_cell.and_then(|id| self.cell_ref(id));
+        if let Some(id) = new_cell {
+            self.path.adjust_check_pos(id);
+            return TransitionState::Ok;
+        }
+        if self.path.step_down {
+            return TransitionState::Collided;
+        }
+        // The candidate leaves the known world; an interior id passes as it is.
+        let mut pos = self.path.check_pos;
+        if !pos.cell.is_indoor() {
+            match pos.adjusted_to_outside() {
+                Some(outside) => pos = outside,
+                None => return TransitionState::Collided,
+            }
+        }
+        if pos.cell.is_none() {
+            return TransitionState::Collided;
+        }
+        self.path.adjust_check_pos(pos.cell);
+        self.path.set_check_pos(&pos, None);
+        self.path.cell_array_valid = true;
+        TransitionState::Ok
+    }
+
+    /// Ends an insertion that met a surface in the air (5.4).
+    fn land(&mut self, n: u32) -> TransitionState {
+        self.path.collide = false;
+        if self.info.contact.valid && self.check_walkable(Z_FOR_LANDING) {
+            let pushed = core::mem::replace(&mut self.path.insert_type, InsertType::Placement);
+            let ts = self.transitional_insert(n);
+            self.path.insert_type = pushed;
+            if ts == TransitionState::Ok {
+                self.path.walkable = None;
+                return TransitionState::Ok;
+            }
+        }
+        self.path.walkable = None;
+        self.path.restore_check_pos();
+        self.info.clear_contact_plane();
+        if self.info.last_known.valid {
+            self.info.velocity_killed = true;
+            self.info.last_known.valid = false;
+        } else {
+            let n = self.path.step_up_normal;
+            self.info.set_collision_normal(n);
+        }
+        TransitionState::Collided
+    }
+
+    /// Looks for supporting ground below the candidate (5.6). `Some` ends the insertion.
+    fn search_ground(&mut self, ts: &mut TransitionState) -> Option<TransitionState> {
+        let (z, mut h) = if self.object.is(ObjectState::ON_WALKABLE) {
+            (FLOOR_Z, self.object.step_down_height)
+        } else {
+            (Z_FOR_LANDING, DEFAULT_STEP_HEIGHT)
+        };
+        self.path.walkable_allowance = z;
+        self.path.save_check_pos();
+        let r = self.path.global_sphere[0].radius;
+        if self.path.num_sphere < 2 && 2.0 * r < h {
+            h = r / 2.0;
+        }
+        let found = if 2.0 * r >= h {
+            self.step_down(h, z)
+        } else {
+            h /= 2.0;
+            // The second half starts where the first one left the candidate.
+            self.step_down(h, z) || self.step_down(h, z)
+        };
+        if found {
+            self.path.walkable = None;
+            return Some(TransitionState::Ok);
+        }
+        if self.edge_slide(ts, h, z) {
+            Some(*ts)
+        } else {
+            None
+        }
+    }
+}

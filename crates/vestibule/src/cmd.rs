@@ -1,0 +1,39 @@
+//! The subcommands, one a file.
+
+mod conform;
+mod dat;
+mod id;
+mod inspect;
+mod ls;
+mod place;
+mod refs;
+mod tour;
+mod wheres;
+
+use crate::ui::Context;
+
+#[derive(clap::Subcommand)]
+pub(crate) enum Command {
+    Tour(tour::Args),
+    Where(wheres::Args),
+    Inspect(inspect::Args),
+    Ls(ls::Args),
+    Refs(refs::Args),
+    #[command(subcommand)]
+    Dat(dat::Command),
+    Conform(conform::Args),
+}
+
+impl Command {
+    pub(crate) fn run(&self, context: &mut Context) -> anyhow::Result<()> {
+        match self {
+            Command::Tour(args) => tour::run(args, context),
+            Command::Where(args) => wheres::run(args, context),
+            Command::Inspect(args) => inspect::run(args, context),
+            Command::Ls(args) => ls::run(args, context),
+            Command::Refs(args) => refs::run(args, context),
+            Command::Dat(command) => command.run(context),
+            Command::Conform(args) => conform::run(args, context),
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! A player on foot: moves by sweeps and owns its cell, the way routes are planned and tours are walked.
+
+use glam::{Vec2, Vec3};
+use vestibule_physics::{Carried, Mover, Population, Scratch, place, sweep};
+use vestibule_world::ids::block_offset;
+use vestibule_world::{BlockId, CellId, Position, World, adjust_position};
+
+/// Length of a tick, seconds: retail's physics gate (`evidence.md` E4).
+pub const TICK: f32 = 1.0 / 30.0;
+/// Acceleration of a body in the air, m/s².
+const GRAVITY: f32 = 9.8;
+/// Ticks that a placed body gets to come to rest.
+const SETTLE_TICKS: u32 = 300;
+/// Largest change of height along a step of a way that can be walked in both directions, metres: a little less than a
+/// player steps up.
+const MAX_RISE: f32 = 0.55;
+/// Longest step of a trial walk, metres.
+const TRIAL_STEP: f32 = 0.2;
+
+/// Where a player stands, and what it takes along into its next sweep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footing {
+    /// The cell that the last accepted sweep ended in, and the foot point in the frame of its landblock.
+    pub at: Position,
+    /// Contact with the ground and what else one sweep hands to the next.
+    pub carried: Carried,
+    /// Upward speed while in the air, m/s.
+    pub rise: f32,
+}
+
+impl Footing {
+    /// Whether it stands on ground that can be walked on.
+    pub fn is_standing(&self) -> bool {
+        self.carried.contact.is_some() && self.carried.on_walkable
+    }
+}
+
+/// Moves players through a world. Cheap to keep: it holds the working memory of sweeps.
+pub struct Walker<'w> {
+    world: &'w World,
+    population: Population,
+    scratch: Scratch,
+    mover: Mover,
+    base: BlockId,
+}
+
+impl<'w> Walker<'w> {
+    /// A walker whose routes are given in the frame of landblock `base`, metres, also beyond its square.
+    pub fn new(world: &'w World, base: BlockId) -> Self {
+        let (population, scratch) = (Population::new(), Scratch::new());
+        Walker { world, population, scratch, mover: Mover::player(), base }
+    }
+
+    /// The world walked in.
+    pub fn world(&self) -> &'w World {
+        self.world
+    }
+
+    /// A position's origin in the frame of the routes.
+    pub fn point(&self, at: &Position) -> Vec3 {
+        block_offset(self.base, at.cell.block()) + at.origin()
+    }
+
+    /// A point in the frame of the routes, in the frame of a landblock.
+    pub fn local(&self, block: BlockId, point: Vec3) -> Vec3 {
+        point - block_offset(self.base, block)
+    }
+
+    /// Puts a player down at a position, as a teleport does, and lets it come to rest. `None` where it would be in no
+    /// cell or does not fit.
+    pub fn put(&mut self, position: &Position) -> Option<Footing> {
+        let low = self.mover.spheres().first()?.center;
+        let unturned = Position::new(position.cell, position.origin());
+        let adjusted = adjust_position(self.world, &unturned, low, true).filter(|a| a.resident)?;
+        let at = adjusted.position;
+        let placed = place(self.world, &self.population, &mut self.scratch, &self.mover, &at, true, true).ok()?;
+        let cell = placed.cell.filter(|_| placed.ok)?;
+        let at = Position { cell, ..placed.position };
+        let mut footing = Footing { at, carried: placed.carried(), rise: 0.0 };
+        for _ in 0..SETTLE_TICKS {
+            if footing.is_standing() {
+                return Some(footing);
+            }
+            footing = self.step(&footing, Vec2::ZERO);
+        }
+        None
+    }
+
+    /// One tick: the player wants to go by `offset` over the ground, metres, and falls where there is none. The cell is
+    /// the one the sweep carried it into; when the sweep is not accepted nothing changes.
+    pub fn step(&mut self, from: &Footing, offset: Vec2) -> Footing {
+        let mut next = *from;
+        let mut wanted = offset.extend(0.0);
+        if from.is_standing() {
+            next.rise = 0.0;
+        } else {
+            next.rise -= GRAVITY * TICK;
+            wanted.z = next.rise * TICK;
+        }
+        let to = Position::new(from.at.cell, from.at.origin() + wanted);
+        let (population, scratch) = (&self.population, &mut self.scratch);
+        let swept = sweep(self.world, population, scratch, &self.mover, &from.carried, &from.at, &to);
+        match swept {
+            Ok(swept) if swept.ok => {
+                let Some(cell) = swept.cell else { return next };
+                next.at = Position { cell, ..swept.position };
+                next.carried = swept.carried();
+                next
+            }
+            _ => next,
+        }
+    }
+
+    /// Tries to walk straight to a point of the routes' frame. `None` if something is in the way, the ground is left, or
+    /// the way could not be walked back.
+    pub fn straight(&mut self, from: &Footing, to: Vec2) -> Option<Footing> {
+        let mut now = *from;
+        let far = to.distance(self.point(&now.at).truncate());
+        let most = (far / TRIAL_STEP) as u32 + 4;
+        for _ in 0..most {
+            let here = self.point(&now.at);
+            let left = to - here.truncate();
+            if left.length() < 0.02 {
+                return Some(now);
+            }
+            let offset = left.clamp_length_max(TRIAL_STEP);
+            let next = self.step(&now, offset);
+            let there = self.point(&next.at);
+            let off_course = there.truncate().distance(here.truncate() + offset);
+            let rise = there.z - here.z;
+            if off_course > 0.25 * offset.length() + 0.01 || !next.is_standing() || rise.abs() > MAX_RISE {
+                return None;
+            }
+            now = next;
+        }
+        None
+    }
+
+    /// The cell a player is in who stands at `from` and looks up its cell anew, seeded from its own: what membership by
+    /// the sweep must agree with at rest.
+    pub fn look_up(&mut self, from: &Footing) -> Option<CellId> {
+        let mut spheres = [vestibule_world::Sphere::default(); 2];
+        let own = self.mover.spheres();
+        for (out, sphere) in spheres.iter_mut().zip(own) {
+            *out = vestibule_world::Sphere::new(from.at.origin() + sphere.center, sphere.radius);
+        }
+        let spheres = spheres.get(..own.len()).unwrap_or(&spheres);
+        let mut cells = vestibule_world::CellArray::new();
+        let (cell, origin) = (from.at.cell, from.at.origin());
+        vestibule_world::find_cell_list(self.world, cell, origin, spheres, &mut cells, true).containing
+    }
+}
