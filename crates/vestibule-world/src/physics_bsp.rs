@@ -97,6 +97,43 @@ pub struct FaceEdge {
     pub inward: Vec3,
 }
 
+/// The planes of four polygons side by side, so that a sphere is held against all four at once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PlaneQuad {
+    x: [f32; 4],
+    y: [f32; 4],
+    z: [f32; 4],
+    d: [f32; 4],
+    /// Positions in the faces.
+    faces: [u32; 4],
+}
+
+impl PlaneQuad {
+    /// Planes that nothing is near.
+    const EMPTY: PlaneQuad = PlaneQuad {
+        x: [0.0; 4],
+        y: [0.0; 4],
+        z: [0.0; 4],
+        d: [f32::INFINITY; 4],
+        faces: [0; 4],
+    };
+
+    /// Which planes are within `reach` of `p`; the same arithmetic as [`Plane::dist`], lane by lane.
+    #[inline]
+    fn near(&self, p: Vec3, reach: f32) -> u32 {
+        let mut bits = 0;
+        for k in 0..4 {
+            let dist = self.x[k] * p.x + self.y[k] * p.y + self.z[k] * p.z + self.d[k];
+            let far = reach < dist.abs();
+            bits |= u32::from(!far) << k;
+        }
+        bits
+    }
+}
+
+/// Trees with more polygons than this are only ever walked.
+const MAX_SCANNED_FACES: usize = 96;
+
 /// A physics tree with the polygons it refers to; one per model or cell structure, shared by all that place it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhysicsBsp {
@@ -107,6 +144,9 @@ pub struct PhysicsBsp {
     faces: Box<[Face]>,
     edges: Box<[FaceEdge]>,
     polygons: PolygonSet,
+    /// All faces, each polygon once; `None` for large trees.
+    quads: Option<Box<[PlaneQuad]>>,
+    has_solid_leaf: bool,
 }
 
 impl PhysicsBsp {
@@ -143,6 +183,8 @@ impl PhysicsBsp {
             });
         }
         PhysicsBsp {
+            quads: plane_quads(&faces),
+            has_solid_leaf: leaves.iter().any(|l| l.solid && l.count != 0),
             root,
             nodes: nodes.into(),
             leaves: leaves.into(),
@@ -186,6 +228,35 @@ impl PhysicsBsp {
             .unwrap_or(&[])
     }
 
+    /// Whether some polygon whose plane is within `reach` of `center` passes `test`. `None` when the tree is too
+    /// large for that to be quicker than a walk.
+    #[inline]
+    pub fn any_face_near(
+        &self,
+        center: Vec3,
+        reach: f32,
+        mut test: impl FnMut(&Face) -> bool,
+    ) -> Option<bool> {
+        for quad in self.quads.as_ref()? {
+            let mut near = quad.near(center, reach);
+            while near != 0 {
+                let k = near.trailing_zeros() as usize;
+                near &= near - 1;
+                let face = quad.faces.get(k).and_then(|&i| self.faces.get(i as usize));
+                if face.is_some_and(&mut test) {
+                    return Some(true);
+                }
+            }
+        }
+        Some(false)
+    }
+
+    /// Whether some leaf with polygons is solid.
+    #[inline]
+    pub fn has_solid_leaf(&self) -> bool {
+        self.has_solid_leaf
+    }
+
     /// The polygons, owner-local coordinates.
     pub fn polygons(&self) -> &PolygonSet {
         &self.polygons
@@ -199,6 +270,29 @@ impl PhysicsBsp {
             ChildKind::Leaf(i) => self.leaves.get(i).map(|l| l.sphere),
         }
     }
+}
+
+/// Each polygon's plane once, in groups of four.
+fn plane_quads(faces: &[Face]) -> Option<Box<[PlaneQuad]>> {
+    let mut seen = std::collections::BTreeSet::new();
+    let mut quads: Vec<PlaneQuad> = Vec::new();
+    for (i, face) in faces.iter().enumerate() {
+        if face.edge_count == 0 || !seen.insert(face.polygon) {
+            continue;
+        }
+        if seen.len() > MAX_SCANNED_FACES {
+            return None;
+        }
+        let k = (seen.len() - 1) % 4;
+        if k == 0 {
+            quads.push(PlaneQuad::EMPTY);
+        }
+        let quad = quads.last_mut()?;
+        let Plane { normal, d } = face.plane;
+        (quad.x[k], quad.y[k], quad.z[k], quad.d[k]) = (normal.x, normal.y, normal.z, d);
+        quad.faces[k] = i as u32;
+    }
+    Some(quads.into())
 }
 
 #[cfg(test)]
