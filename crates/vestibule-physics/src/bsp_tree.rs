@@ -74,8 +74,12 @@ pub(crate) fn sphere_intersects_poly<'b>(
 /// Whether the sphere certainly overlaps no polygon of the tree: then no walk finds anything.
 #[inline]
 fn hits_nothing(bsp: &PhysicsBsp, s: &Sphere) -> bool {
+    bsp.certainly_clear(s.center, s.radius) || hits_no_face(bsp, s)
+}
+
+fn hits_no_face(bsp: &PhysicsBsp, s: &Sphere) -> bool {
     let hits = |face: &Face| polygon::polygon_hits_sphere(face, bsp.edges(face), s);
-    bsp.any_face_near(s.center, s.radius - EPSILON, hits) == Some(false)
+    bsp.any_face_near(s.center, s.radius - EPSILON, false, hits) == Some(false)
 }
 
 fn intersects_poly<'b>(

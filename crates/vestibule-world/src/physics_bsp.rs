@@ -2,7 +2,9 @@
 
 use glam::Vec3;
 
-use crate::geometry::{Plane, Sphere};
+use crate::constants::EPSILON;
+use crate::geometry::{BoundingBox, Plane, Sphere};
+use crate::open_box::open_box;
 use crate::polygon::PolygonSet;
 
 /// Where a child of a node is.
@@ -146,6 +148,10 @@ pub struct PhysicsBsp {
     polygons: PolygonSet,
     /// All faces, each polygon once; `None` for large trees.
     quads: Option<Box<[PlaneQuad]>>,
+    /// How many of `quads` hold the faces that look up, which come first.
+    up_quads: usize,
+    /// No polygon enters this box; empty (inside out) when there is none.
+    open: BoundingBox,
     has_solid_leaf: bool,
 }
 
@@ -182,8 +188,22 @@ impl PhysicsBsp {
                 polygon: index,
             });
         }
+        let (quads, up_quads) = plane_quads(&faces);
+        let boxes: Vec<BoundingBox> = faces
+            .iter()
+            .filter_map(|f| {
+                BoundingBox::of(
+                    polygons
+                        .vertices(polygons.get(f.polygon as usize)?)
+                        .iter()
+                        .copied(),
+                )
+            })
+            .collect();
         PhysicsBsp {
-            quads: plane_quads(&faces),
+            quads,
+            up_quads,
+            open: open_box(&boxes).unwrap_or(NO_BOX),
             has_solid_leaf: leaves.iter().any(|l| l.solid && l.count != 0),
             root,
             nodes: nodes.into(),
@@ -228,16 +248,36 @@ impl PhysicsBsp {
             .unwrap_or(&[])
     }
 
-    /// Whether some polygon whose plane is within `reach` of `center` passes `test`. `None` when the tree is too
-    /// large for that to be quicker than a walk.
+    /// Whether a sphere certainly overlaps no polygon, by the tolerance of sphere tests: it lies in open space. A
+    /// sphere that rests on a floor does.
     #[inline]
-    pub fn any_face_near(
-        &self,
+    pub fn certainly_clear(&self, center: Vec3, radius: f32) -> bool {
+        // An overlap must be deeper than epsilon; rounding is far below the rest.
+        let r = radius - 0.75 * EPSILON;
+        let BoundingBox { min, max } = &self.open;
+        let inside = (center.x - r > min.x)
+            & (center.x + r < max.x)
+            & (center.y - r > min.y)
+            & (center.y + r < max.y)
+            & (center.z - r > min.z)
+            & (center.z + r < max.z);
+        inside
+    }
+
+    /// Whether some polygon whose plane is within `reach` of `center` passes `test`. With `only_up` polygons that
+    /// hardly look up (normal z under 0.05) may be left out. `None` when the tree is too large for that to be
+    /// quicker than a walk.
+    #[inline]
+    pub fn any_face_near<'b>(
+        &'b self,
         center: Vec3,
         reach: f32,
-        mut test: impl FnMut(&Face) -> bool,
+        only_up: bool,
+        mut test: impl FnMut(&'b Face) -> bool,
     ) -> Option<bool> {
-        for quad in self.quads.as_ref()? {
+        let quads = self.quads.as_ref()?;
+        let count = if only_up { self.up_quads } else { quads.len() };
+        for quad in quads.get(..count).unwrap_or(quads) {
             let mut near = quad.near(center, reach);
             while near != 0 {
                 let k = near.trailing_zeros() as usize;
@@ -272,27 +312,37 @@ impl PhysicsBsp {
     }
 }
 
-/// Each polygon's plane once, in groups of four.
-fn plane_quads(faces: &[Face]) -> Option<Box<[PlaneQuad]>> {
+/// A box that holds nothing.
+const NO_BOX: BoundingBox = BoundingBox {
+    min: Vec3::INFINITY,
+    max: Vec3::NEG_INFINITY,
+};
+
+/// Faces whose normal z is at least this look up.
+const LOOKS_UP: f32 = 0.05;
+
+/// Each polygon's plane once, in groups of four, those that look up first; and how many groups those fill.
+fn plane_quads(faces: &[Face]) -> (Option<Box<[PlaneQuad]>>, usize) {
     let mut seen = std::collections::BTreeSet::new();
-    let mut quads: Vec<PlaneQuad> = Vec::new();
-    for (i, face) in faces.iter().enumerate() {
-        if face.edge_count == 0 || !seen.insert(face.polygon) {
-            continue;
-        }
-        if seen.len() > MAX_SCANNED_FACES {
-            return None;
-        }
-        let k = (seen.len() - 1) % 4;
-        if k == 0 {
-            quads.push(PlaneQuad::EMPTY);
-        }
-        let quad = quads.last_mut()?;
-        let Plane { normal, d } = face.plane;
-        (quad.x[k], quad.y[k], quad.z[k], quad.d[k]) = (normal.x, normal.y, normal.z, d);
-        quad.faces[k] = i as u32;
+    let mut order: Vec<usize> = (0..faces.len())
+        .filter(|&i| faces[i].edge_count != 0 && seen.insert(faces[i].polygon))
+        .collect();
+    if order.len() > MAX_SCANNED_FACES {
+        return (None, 0);
     }
-    Some(quads.into())
+    let looks_up = |i: &usize| faces[*i].plane.normal.z >= LOOKS_UP;
+    order.sort_by_key(|i| !looks_up(i));
+    let up = order.iter().take_while(|i| looks_up(i)).count();
+    let quads = order.chunks(4).map(|chunk| {
+        let mut quad = PlaneQuad::EMPTY;
+        for (k, &i) in chunk.iter().enumerate() {
+            let Plane { normal, d } = faces[i].plane;
+            (quad.x[k], quad.y[k], quad.z[k], quad.d[k]) = (normal.x, normal.y, normal.z, d);
+            quad.faces[k] = i as u32;
+        }
+        quad
+    });
+    (Some(quads.collect()), up.div_ceil(4))
 }
 
 #[cfg(test)]
