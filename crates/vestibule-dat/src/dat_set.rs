@@ -185,7 +185,7 @@ impl DatSet {
         Ok(found)
     }
 
-    fn asset_files(&self, id: u32) -> impl Iterator<Item = &DatFile> {
+    pub(crate) fn asset_files(&self, id: u32) -> impl Iterator<Item = &DatFile> {
         let (first, second) = match id >> 24 {
             0x21 | 0x23 | 0x24 | 0x41 => (self.local.as_ref(), None),
             0x06 | 0x07 => (Some(&self.portal), self.highres.as_ref()),

@@ -6,6 +6,8 @@
 
 use std::{fmt, io};
 
+use crate::record::{RecordError, RecordErrorKind};
+
 /// Short form used throughout the crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -36,6 +38,13 @@ impl Error {
         }))
     }
 
+    /// An error of a record of `file`. [`Error::offset`] then counts from the record's start.
+    pub fn from_record(file: impl Into<String>, error: RecordError) -> Error {
+        Error::new(file, error.field, ErrorKind::Record(error.kind))
+            .with_id(error.id)
+            .with_offset(error.offset as u64)
+    }
+
     /// Adds the record concerned.
     #[must_use]
     pub fn with_id(mut self, id: u32) -> Error {
@@ -60,7 +69,7 @@ impl Error {
         self.0.id
     }
 
-    /// The byte offset in the file, if the error is about a place in it.
+    /// The byte offset in the file, if the error is about a place in it; of an [`ErrorKind::Record`] that in the record.
     pub fn offset(&self) -> Option<u64> {
         self.0.offset
     }
@@ -84,6 +93,9 @@ impl fmt::Display for Error {
         write!(f, "{}: {}", self.0.field, self.0.kind)?;
         if let Some(offset) = self.0.offset {
             write!(f, ", at byte 0x{offset:X}")?;
+            if matches!(self.0.kind, ErrorKind::Record(_)) {
+                write!(f, " of the record")?;
+            }
         }
         write!(f, " of {}", self.0.file)
     }
@@ -93,6 +105,7 @@ impl std::error::Error for Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match &self.0.kind {
             ErrorKind::Io(e) => Some(e),
+            ErrorKind::Record(e) => Some(e),
             _ => None,
         }
     }
@@ -188,6 +201,10 @@ pub enum ErrorKind {
         /// What the header says.
         found: String,
     },
+
+    /// A record is not what its id says (sections 7 to 11).
+    #[error("{0}")]
+    Record(RecordErrorKind),
 
     // The budget.
     /// A record is larger than [`Limits`] allow.

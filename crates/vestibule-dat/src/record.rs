@@ -30,6 +30,7 @@ mod iteration;
 mod land_block;
 mod land_block_info;
 pub mod lint;
+mod load;
 mod palette;
 mod polygon;
 mod references;

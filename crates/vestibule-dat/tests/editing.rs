@@ -162,7 +162,8 @@ fn r4_a_broken_free_list_is_rebuilt_before_it_is_used() {
     });
     let expected = contents(&open(&bytes));
     let live = open(&bytes).find(0x0100_0110).unwrap().unwrap().offset;
-    let breaks: [&dyn Fn(&mut Vec<u8>); 4] = [
+    type Break<'a> = &'a dyn Fn(&mut Vec<u8>);
+    let breaks: [Break<'_>; 4] = [
         &|b| set_word(b, 0x154, live),
         &|b| set_word(b, 0x15C, 5),
         &|b| {
@@ -217,6 +218,25 @@ fn r4_nothing_is_freed_while_the_tree_is_damaged() {
         "nothing is marked free"
     );
     assert_eq!(open(&bytes).get(0x0100_0101).unwrap().unwrap(), &b"x"[..]);
+}
+
+#[test]
+fn a_block_that_another_record_uses_is_never_freed() {
+    // Record 6 shares the blocks of record 5 from its second on.
+    let mut bytes = cell_file(50);
+    let dat = open(&bytes);
+    let at = |id| dat.find(id).unwrap().unwrap().offset as usize;
+    let (five, six) = (at(0x0100_0105), at(0x0100_0106));
+    let second = word(&bytes, five);
+    set_word(&mut bytes, six, second);
+    let expected = open(&bytes).get(0x0100_0106).unwrap().unwrap().into_owned();
+    let bytes = edited(bytes, |dat| {
+        dat.put(0x0100_0105, b"x", &PLAIN).unwrap();
+    });
+    assert_eq!(open(&bytes).get(0x0100_0106).unwrap().unwrap(), expected);
+    assert!(open(&bytes).verify().is_clean());
+    let bytes = edited(bytes, |dat| assert!(dat.delete(0x0100_0106).unwrap()));
+    assert!(open(&bytes).verify().is_clean());
 }
 
 #[test]

@@ -10,7 +10,11 @@ use vestibule_dat::DatSet;
 use vestibule_world::{BlockId, CellArray, CellId, PortalTarget, Sphere, World, find_cell_list};
 
 fn dats(name: &str) -> Option<Arc<DatSet>> {
-    let dir = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors/worlds")).join(name);
+    let dir = Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../../shared/vectors/worlds"
+    ))
+    .join(name);
     if !dir.is_dir() {
         eprintln!("skipped: {} is not there", dir.display());
         return None;
@@ -21,7 +25,10 @@ fn dats(name: &str) -> Option<Arc<DatSet>> {
 /// The first landblock with env cells.
 fn interior_block(dats: &DatSet) -> BlockId {
     let entries = dats.cell().iter().flatten();
-    let id = entries.map(|e| CellId(e.id)).find(|id| id.is_env_cell()).expect("an env cell");
+    let id = entries
+        .map(|e| CellId(e.id))
+        .find(|id| id.is_env_cell())
+        .expect("an env cell");
     id.block()
 }
 
@@ -48,7 +55,9 @@ fn look_ups(c: &mut Criterion) {
         // A player's two spheres in the middle of each room, and in each of its inner doorways.
         let mut places: Vec<(CellId, [Sphere; 2])> = Vec::new();
         for cell in block.env_cells() {
-            let Some(bounds) = cell.structure.bounds else { continue };
+            let Some(bounds) = cell.structure.bounds else {
+                continue;
+            };
             let mut stand = |local: Vec3| {
                 let feet = cell.frame.local_to_global(local);
                 let sphere = |z: f32| Sphere::new(feet + Vec3::new(0.0, 0.0, z), 0.48);
@@ -60,7 +69,11 @@ fn look_ups(c: &mut Criterion) {
                 let corners = cell.portal_vertices(portal);
                 let sum: Vec3 = corners.iter().sum();
                 let lowest = corners.iter().fold(f32::INFINITY, |z, v| z.min(v.z));
-                stand(Vec3::new(sum.x / corners.len() as f32, sum.y / corners.len() as f32, lowest));
+                stand(Vec3::new(
+                    sum.x / corners.len() as f32,
+                    sum.y / corners.len() as f32,
+                    lowest,
+                ));
             }
         }
         let mut array = CellArray::new();
@@ -69,7 +82,14 @@ fn look_ups(c: &mut Criterion) {
             b.iter(|| {
                 let (cell, spheres) = &places[next];
                 next = (next + 1) % places.len();
-                find_cell_list(&world, *cell, spheres[0].center, black_box(spheres), &mut array, true)
+                find_cell_list(
+                    &world,
+                    *cell,
+                    spheres[0].center,
+                    black_box(spheres),
+                    &mut array,
+                    true,
+                )
             });
         });
     }

@@ -4,8 +4,9 @@ use super::chain::{Geometry, read_chain};
 use super::compress::inflate;
 use super::entries::Entries;
 use super::header::{DatKind, HEADER_SIZE, Header};
+use super::index::Index;
 use super::iteration::{ITERATION_ID, IterationRecord};
-use super::node::{ALL_IDS, Entry, Found, Node};
+use super::node::{ALL_IDS, Entry};
 use crate::error::{ErrorKind, Fault, Limits, Result};
 use std::borrow::Cow;
 use std::fs::File;
@@ -47,6 +48,7 @@ struct Disk {
 pub(crate) struct View {
     bytes: Bytes,
     pub(crate) header: Header,
+    index: Index,
     next: OnceLock<Box<View>>,
 }
 
@@ -56,13 +58,28 @@ enum Bytes {
     Map(super::map::Map),
 }
 
-impl View {
-    pub(crate) fn bytes(&self) -> &[u8] {
-        let all = match &self.bytes {
+impl Bytes {
+    fn as_slice(&self) -> &[u8] {
+        match self {
             Bytes::Memory(b) => b,
             #[cfg(feature = "mmap")]
             Bytes::Map(map) => map.bytes(),
-        };
+        }
+    }
+}
+
+impl View {
+    fn new(bytes: Bytes, header: Header) -> View {
+        View {
+            bytes,
+            header,
+            index: Index::default(),
+            next: OnceLock::new(),
+        }
+    }
+
+    pub(crate) fn bytes(&self) -> &[u8] {
+        let all = self.bytes.as_slice();
         all.get(..self.header.file_size as usize).unwrap_or(all)
     }
 
@@ -72,24 +89,9 @@ impl View {
 
     /// The entry of `id` (B5, B8).
     fn find(&self, id: u32) -> Result<Option<Entry>, Fault> {
-        let (bytes, g) = (self.bytes(), self.geometry());
-        let mut at = self.header.btree_root as u32;
-        if at == 0 {
-            return Ok(None);
-        }
-        let mut interval = ALL_IDS;
-        let mut depth = 0;
-        loop {
-            let node = Node::read(&bytes, g, at, depth, &interval)?;
-            match node.search(id) {
-                Found::Here(i) => return Ok(Some(node.entry(i))),
-                Found::Nowhere => return Ok(None),
-                Found::Below(i) => {
-                    interval = node.child_interval(i, &interval);
-                    at = node.branch(i);
-                    depth += 1;
-                }
-            }
+        match self.header.btree_root as u32 {
+            0 => Ok(None),
+            root => self.index.find(self.bytes(), self.geometry(), root, id),
         }
     }
 
@@ -192,11 +194,7 @@ impl DatFile {
         let header = first_bytes(&bytes)
             .and_then(|b| Header::parse(b, bytes.len() as u64))
             .map_err(|fault| fault.named(&name, None))?;
-        let first = View {
-            bytes: Bytes::Memory(bytes),
-            header,
-            next: OnceLock::new(),
-        };
+        let first = View::new(Bytes::Memory(bytes), header);
         Ok(DatFile {
             name,
             limits: Limits::default(),
@@ -349,21 +347,18 @@ impl DatFile {
         Ok(Cow::Owned(out))
     }
 
-    /// Reads by an entry that the caller has; after the file has changed, by the entry that the id has now.
+    /// Reads by an entry that the caller has. If that fails and the file has been edited since, by the entry the id has now.
     fn read_by<'a, T>(
         &'a self,
         entry: &Entry,
         read: impl Fn(&'a View, &Entry) -> Result<T, Fault>,
     ) -> Result<T> {
-        let mut again = false;
         self.retry(Some(entry.id), |view| {
-            if !std::mem::replace(&mut again, true) {
-                return read(view, entry);
-            }
-            match view.find(entry.id)? {
-                Some(now) => read(view, &now),
+            read(view, entry).or_else(|fault| match view.find(entry.id)? {
+                Some(now) if now != *entry => read(view, &now),
+                Some(_) => Err(fault),
                 None => Err(Fault::new("id", ErrorKind::Absent)),
-            }
+            })
         })
     }
 
@@ -402,7 +397,7 @@ impl DatFile {
             return Some(next);
         }
         // A header that cannot be read or mapped now leaves the reader with the state it has.
-        let header = read_header(&mut file).ok()?;
+        let header = settled_header(&mut file)?;
         if header.btree_root == view.header.btree_root && header.file_size == view.header.file_size {
             return None;
         }
@@ -441,6 +436,20 @@ fn first_bytes(bytes: &[u8]) -> Result<&[u8; HEADER_SIZE], Fault> {
     })
 }
 
+/// The header once it reads the same twice: a commit may be under way.
+fn settled_header(file: &mut File) -> Option<Header> {
+    let mut last = read_header(file).ok();
+    for _ in 0..16 {
+        let now = read_header(file).ok();
+        if now.is_some() && now == last {
+            return now;
+        }
+        last = now;
+        std::thread::yield_now();
+    }
+    last
+}
+
 fn read_header(file: &mut File) -> Result<Header, Fault> {
     let io = |e: io::Error| Fault::new("header", e.into());
     let len = file.seek(SeekFrom::End(0)).map_err(io)?;
@@ -465,11 +474,7 @@ fn load(file: &mut File, header: Header, mapped: bool) -> Result<View, Fault> {
     #[cfg(feature = "mmap")]
     if mapped {
         let map = super::map::Map::first_bytes(file, header.file_size as usize).map_err(io)?;
-        return Ok(View {
-            bytes: Bytes::Map(map),
-            header,
-            next: OnceLock::new(),
-        });
+        return Ok(View::new(Bytes::Map(map), header));
     }
     let _ = mapped;
     let mut all = Vec::new();
@@ -482,9 +487,5 @@ fn load(file: &mut File, header: Header, mapped: bool) -> Result<View, Fault> {
     if all.len() < header.file_size as usize {
         return Err(io(io::ErrorKind::UnexpectedEof.into()));
     }
-    Ok(View {
-        bytes: Bytes::Memory(all.into()),
-        header,
-        next: OnceLock::new(),
-    })
+    Ok(View::new(Bytes::Memory(all.into()), header))
 }

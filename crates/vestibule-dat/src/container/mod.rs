@@ -2,12 +2,14 @@
 
 mod builder;
 mod chain;
+mod chain_writer;
 mod compress;
 mod dat_file;
 mod editor;
 mod entries;
 mod free_list;
 mod header;
+mod index;
 mod iteration;
 #[cfg(feature = "mmap")]
 mod map;

@@ -16,7 +16,8 @@ pub(crate) const MAX_DEPTH: usize = 8;
 /// Bytes of an entry.
 pub(crate) const ENTRY_SIZE: usize = 24;
 const COUNT_AT: usize = 0xF8;
-const ENTRIES_AT: usize = 0xFC;
+/// Where the entries start.
+pub(crate) const ENTRIES_AT: usize = 0xFC;
 /// What other tools write into unused branches (B4).
 const UNUSED_BRANCH: u32 = 0xCDCD_CDCD;
 
@@ -91,16 +92,6 @@ pub(crate) struct Node {
     leaf: bool,
     /// Where the node starts in the file.
     pub(crate) offset: u32,
-}
-
-/// What [`Node::search`] finds.
-pub(crate) enum Found {
-    /// The key is the entry at this position.
-    Here(usize),
-    /// The key can only be below the branch at this position.
-    Below(usize),
-    /// The node is a leaf without the key.
-    Nowhere,
 }
 
 impl Node {
@@ -212,18 +203,6 @@ impl Node {
         low
     }
 
-    /// One step of the search (B5).
-    pub(crate) fn search(&self, key: u32) -> Found {
-        let i = self.position(key);
-        if i < self.count && self.id(i) == key {
-            Found::Here(i)
-        } else if self.leaf {
-            Found::Nowhere
-        } else {
-            Found::Below(i)
-        }
-    }
-
     /// The ids that this node leaves to its child at position `i` (B3).
     pub(crate) fn child_interval(&self, i: usize, own: &Interval) -> Interval {
         let start = if i == 0 {
@@ -312,9 +291,9 @@ mod tests {
         let ids = [0x0001_FFFF, 0x7F00_FFFE, 0xC0A8_0100].map(entry);
         let b = at_0x400(node_bytes(&ids, &[0x1000, 0x1800, 0x2000, 0x2800]));
         let n = read(&b, 0, ALL_IDS).unwrap();
-        assert!(matches!(n.search(0xA9B4_0170), Found::Below(2)));
-        assert!(matches!(n.search(0xFFFF_0001), Found::Below(3)));
-        assert!(matches!(n.search(0x7F00_FFFE), Found::Here(1)));
+        assert!(n.position(0xA9B4_0170) == 2 && n.id(2) != 0xA9B4_0170);
+        assert!(n.position(0xFFFF_0001) == 3);
+        assert!(n.position(0x7F00_FFFE) == 1 && n.id(1) == 0x7F00_FFFE);
         assert_eq!(
             n.branch(2),
             u32::from_le_bytes(b[0x404 + 8..0x404 + 12].try_into().unwrap())

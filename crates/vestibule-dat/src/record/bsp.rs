@@ -228,6 +228,7 @@ impl BspTree {
                 let Some((index, step)) = open.last_mut() else {
                     return Ok(Self { kind, nodes });
                 };
+                // Never missing: only nodes of the list are open.
                 let Some(node) = nodes.get_mut(*index as usize) else {
                     return Ok(Self { kind, nodes });
                 };

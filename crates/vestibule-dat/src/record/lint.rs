@@ -132,8 +132,8 @@ impl Lints {
 
     fn quat(&mut self, field: fmt::Arguments<'_>, value: Quat) {
         let length = value.length();
-        // Also true of a length that is not a number.
-        if !((length - 1.0).abs() <= QUATERNION_TOLERANCE) {
+        let off = (length - 1.0).abs();
+        if off > QUATERNION_TOLERANCE || off.is_nan() {
             self.add("D4", field, format_args!("has length {length}, not 1"));
         }
     }

@@ -174,7 +174,7 @@ impl Entropy<'_> {
             physics: None,
         });
         let choice = if levels == 0 { 0 } else { self.below(10) };
-        let mut polys = |e: &mut Self| if drawing { e.list(4, Self::u16) } else { vec![] };
+        let polys = |e: &mut Self| if drawing { e.list(4, Self::u16) } else { vec![] };
         nodes[index] = match choice {
             0 => {
                 let physics = (kind == BspKind::Physics).then(|| BspLeafPhysics {

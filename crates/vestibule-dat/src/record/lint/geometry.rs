@@ -1,5 +1,6 @@
 //! Vertices, polygons, trees, and the records made of them.
 
+use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
 use glam::Vec3;
@@ -69,15 +70,15 @@ impl Lints {
                     );
                 }
             }
-            if vertices.contains_key(&vertex.id) {
+            if let Entry::Vacant(place) = vertices.entry(vertex.id) {
+                place.insert(vertex);
+            } else {
                 let field = format_args!("{at}vertices[{i}].id");
                 self.add(
                     "G1",
                     field,
                     format_args!("{} is the id of two vertices", vertex.id),
                 );
-            } else {
-                vertices.insert(vertex.id, vertex);
             }
         }
         vertices
