@@ -1,5 +1,6 @@
 //! The subcommands, one a file.
 
+mod build;
 mod conform;
 mod dat;
 mod id;
@@ -21,6 +22,7 @@ pub(crate) enum Command {
     Ls(ls::Args),
     Refs(refs::Args),
     Map(map::Args),
+    Build(build::Args),
     #[command(subcommand)]
     Dat(dat::Command),
     Conform(conform::Args),
@@ -34,6 +36,7 @@ impl Command {
             Command::Inspect(args) => inspect::run(args, context),
             Command::Ls(args) => ls::run(args, context),
             Command::Refs(args) => refs::run(args, context),
+            Command::Build(args) => build::run(args, context),
             Command::Map(args) => map::run(args, context),
             Command::Dat(command) => command.run(context),
             Command::Conform(args) => conform::run(args, context),

@@ -28,7 +28,9 @@
 #![forbid(unsafe_code)]
 
 pub use vestibule_dat as dat;
+pub use vestibule_forge as forge;
 pub use vestibule_physics as physics;
+pub use vestibule_view as view;
 pub use vestibule_world as world;
 
 pub mod conform;
