@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod camera;
+mod chase_camera;
 pub mod conform;
 pub mod constants;
 mod flood;
@@ -12,10 +13,12 @@ mod openings;
 mod polygon_pieces;
 mod pview;
 mod ring_order;
+mod update_viewer;
 mod view;
 mod viewer;
 
 pub use camera::{Camera, CameraError, retail_fov_y};
+pub use chase_camera::{CameraMode, CameraRig, ChaseCamera, MouseSmoothing};
 pub use flood::{Flood, FloodArena, FloodCounters, FloodSettings, Seal, SeenCell, SeenView};
 pub use frame::{
     Command, FrameCounters, FrameInput, FramePath, FrameSettings, FrameView, LightSet, PolygonRef, SealDepth,
@@ -25,5 +28,8 @@ pub use frame_source::{FrameObject, FrameSource, WorldObjects, bounding_sphere};
 pub use look_in::{LookIn, LookIns};
 pub use openings::{BlockOpenings, DoorSpec, HouseSpec, OpeningProblems, Openings, PortalSpec, RoomSpec};
 pub use pview::PView;
+pub use update_viewer::{
+    PIVOT_OFFSET, VIEWER_SPHERE_RADIUS, Viewer, ViewerSource, ViewerTarget, update_viewer,
+};
 pub use view::{Edge, InView, Region};
 pub use viewer::{PlayerCell, ViewerCell};
