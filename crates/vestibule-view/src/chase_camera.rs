@@ -325,12 +325,10 @@ impl ChaseCamera {
 
     /// How opaque the player's body is drawn for a viewer at this distance from the pivot, 0…1 (`rendering.md` 4.8).
     pub fn body_opacity(&self, distance: f32) -> f32 {
-        if self.mode == CameraMode::FirstPerson || !(distance > 0.2) {
+        if self.mode == CameraMode::FirstPerson {
             0.0
-        } else if distance >= 0.45 {
-            1.0
         } else {
-            (distance - 0.2) / (0.45 - 0.2)
+            ((distance - 0.2) / (0.45 - 0.2)).clamp(0.0, 1.0)
         }
     }
 }
@@ -384,13 +382,11 @@ impl CameraRig {
             let pivot = self.camera.pivot_offset;
             let mut next = update_viewer(world, population, scratch, target, pivot, &sought);
             // A sweep that ends where the eye already is, but for its rounding, must not let the eye creep (3.7b).
-            if let Some(last) = self.viewer {
-                if last.cell == next.cell
-                    && last.source == next.source
-                    && is_at_rest(&last.position, &next.position)
-                {
-                    next.position = last.position;
-                }
+            if let Some(last) = self.viewer
+                && (last.cell, last.source) == (next.cell, next.source)
+                && is_at_rest(&last.position, &next.position)
+            {
+                next.position = last.position;
             }
             self.viewer = Some(next);
         }

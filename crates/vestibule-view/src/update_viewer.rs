@@ -1,9 +1,8 @@
 //! Where the eye is and which cell it is in: the camera's own sweep (`rendering.md` 3, `transition.md` 3.8).
 
 use glam::{Vec2, Vec3};
-use vestibule_physics::flags::ObjectState;
-use vestibule_physics::{BodyId, Carried, Mover, Population, Scratch, sweep};
-use vestibule_world::{CellId, Frame, Position, Sphere, World, adjust_position};
+use vestibule_physics::{BodyId, Carried, Mover, Population, Scratch, sweep, viewer_mover};
+use vestibule_world::{CellId, Frame, Position, World, adjust_position};
 
 use crate::camera::{Camera, CameraError};
 use crate::frame::FrameInput;
@@ -21,16 +20,14 @@ pub struct ViewerTarget {
     pub position: Position,
     /// The cell its body is in; `None` when it is in none.
     pub cell: Option<PlayerCell>,
-    /// Its body, which does not get in the way of its own camera.
-    pub body: Option<BodyId>,
     /// The frame the pivot is measured in, in the landblock of `position`; `None` for the player's own.
     pub pivot_frame: Option<Frame>,
     /// Velocity, m/s, landblock axes.
     pub velocity: Vec3,
     /// Normal of the ground it stands on.
     pub contact_normal: Option<Vec3>,
-    /// How high and how far down it steps, metres. The sweep of the viewer is made with the player's body.
-    pub step_heights: (f32, f32),
+    /// Its body as a mover: the viewer's sweep is made with it, and is not stopped by it.
+    pub mover: Mover,
 }
 
 impl ViewerTarget {
@@ -39,26 +36,23 @@ impl ViewerTarget {
         ViewerTarget {
             position,
             cell: (!position.cell.is_none()).then_some(PlayerCell(position.cell)),
-            body: None,
             pivot_frame: None,
             velocity: Vec3::ZERO,
             contact_normal: None,
-            step_heights: (0.0, 0.0),
+            mover: Mover::player(),
         }
     }
 
     /// A body of a population; `None` when there is no such body.
     pub fn of_body(population: &Population, id: BodyId) -> Option<Self> {
         let body = population.body(id)?;
-        let mover = body.mover(Some(id));
         Some(ViewerTarget {
             position: *body.position(),
             cell: body.cell().map(PlayerCell),
-            body: Some(id),
             pivot_frame: None,
             velocity: body.cached_velocity,
             contact_normal: body.contact.map(|c| c.plane.normal),
-            step_heights: (mover.step_up_height, mover.step_down_height),
+            mover: body.mover(Some(id)),
         })
     }
 
@@ -203,15 +197,7 @@ fn swept(
     begin: &Position,
     sought: &Position,
 ) -> Option<Viewer> {
-    let sphere = Sphere::new(Vec3::ZERO, VIEWER_SPHERE_RADIUS);
-    let mut mover = Mover::new(&[sphere])
-        .ok()?
-        .with_steps(target.step_heights.0, target.step_heights.1);
-    mover.state = ObjectState::IS_VIEWER
-        | ObjectState::PATH_CLIPPED
-        | ObjectState::FREE_ROTATE
-        | ObjectState::PERFECT_CLIP;
-    mover.body = target.body;
+    let mover = viewer_mover(&target.mover);
     // The sought origin in the landblock of the start cell (`transition.md` 3.8.5).
     let offset = vestibule_world::ids::block_offset(begin.cell.block(), sought.cell.block());
     let mut end = Position {

@@ -334,3 +334,40 @@ fn s17_3_no_room_flickers_on_a_path_through_a_door() {
 fn id_of(room: usize) -> CellId {
     id(room)
 }
+
+/// What could be seen from a room holds everything any eye in it sees; what it sees all around holds what it sees
+/// ahead.
+#[test]
+fn sight_without_a_camera_holds_every_camera() {
+    let mut pview = PView::default();
+    let (mut listed, mut reachable) = (0, 0);
+    for seed in 0..600 {
+        let mut random = Random(seed);
+        let mut maze = Maze::random(&mut random, seed % 4 == 0);
+        let openings = maze.rooms.build();
+        let first = maze.camera(&mut random);
+        let root = usize::from(first.cell().low() - 0x100);
+        let could = vestibule_view::potentially_visible(&openings, first.cell());
+        assert!(!could.truncated && could.cells.contains(&first.cell()));
+        listed += could.cells.len();
+        reachable += connected(&maze.rooms.specs, root).len();
+        for _ in 0..60 {
+            let camera = maze.camera(&mut random);
+            if camera.cell() != first.cell() {
+                continue;
+            }
+            let around = pview.look_around(Some(&openings), camera.cell(), camera.eye());
+            let (all, out) = (ids_of(&around), around.sees_outside());
+            assert!(all.iter().all(|id| could.cells.contains(id)), "seed {seed}");
+            assert!(!out || could.outside, "seed {seed}");
+            let flood = pview.look_in_block(Some(&openings), &camera);
+            assert!(flood.cells().iter().all(|c| all.contains(&c.id)), "seed {seed}");
+            assert!(!flood.sees_outside() || out, "seed {seed}");
+        }
+    }
+    let _ = writeln!(
+        std::io::stderr(),
+        "could be seen: {listed} of {reachable} reachable rooms"
+    );
+    assert!(listed < reachable);
+}
