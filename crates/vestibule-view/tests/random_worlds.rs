@@ -371,3 +371,40 @@ fn sight_without_a_camera_holds_every_camera() {
     );
     assert!(listed < reachable);
 }
+
+/// 17.4: whoever is seen can look back.
+#[test]
+fn s17_4_sight_is_mutual() {
+    let mut pview = PView::default();
+    let mut checked = 0;
+    for seed in 0..2_000 {
+        let mut random = Random(seed);
+        let mut maze = Maze::random(&mut random, false);
+        let camera = maze.camera(&mut random);
+        let openings = maze.rooms.build();
+        let root = usize::from(camera.cell().low() - 0x100);
+        let flood = pview.look_in_block(Some(&openings), &camera);
+        let rays: Vec<(CellId, Vec3)> = flood
+            .cells()
+            .iter()
+            .skip(1)
+            .flat_map(|c| flood.regions(c).map(|r| (c.id, r)))
+            .filter(|(_, r)| r.pixel_area(&camera) > 1.0)
+            .map(|(id, r)| (id, r.middle().unwrap().normalize()))
+            .collect();
+        for (id, ray) in rays {
+            let walked = walk(&maze.rooms.specs, root, camera.eye(), ray);
+            let Some(at) = walked.rooms.iter().position(|r| *r == id) else {
+                continue;
+            };
+            let there = camera.eye() + ray * (walked.entered[at] as f32 + 0.02);
+            let back = Camera::new(id, there, -ray, Vec3::Z, 1.0, VIEWPORT).unwrap();
+            assert!(
+                pview.look_in_block(Some(&openings), &back).sees(camera.cell()),
+                "seed {seed}"
+            );
+            checked += 1;
+        }
+    }
+    assert!(checked > 1_000, "{checked}");
+}
