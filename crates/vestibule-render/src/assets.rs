@@ -78,6 +78,8 @@ pub struct Assets {
     models: Cache<(u32, bool), Option<Arc<Mesh>>>,
     cells: Cache<(u32, u16, Box<[u32]>), Option<Arc<Mesh>>>,
     lights: Cache<u32, Arc<[ObjectLight]>>,
+    lamps: Cache<u32, Arc<[crate::lighting::Lamp]>>,
+    lands: Cache<(u16, u16), Option<Arc<crate::land::LandMesh>>>,
     terrain: std::sync::OnceLock<Arc<TerrainPaint>>,
     sky: std::sync::OnceLock<Arc<SkyTable>>,
     textured: std::sync::OnceLock<bool>,
@@ -315,4 +317,21 @@ fn any_surface_texture(world: &World) -> bool {
 /// A colour as red, green, blue, 0…1 (`rendering.md` 12.2).
 pub(crate) fn rgb(c: vestibule_dat::primitive::Argb) -> Vec3 {
     Vec3::new(f32::from(c.red()), f32::from(c.green()), f32::from(c.blue())) / 255.0
+}
+
+impl Assets {
+    /// The lights that an env cell's shell is lit by: those of the static objects of the cell and of its stab list,
+    /// in the frame of its landblock (`rendering.md` 12.6).
+    pub(crate) fn lamps(&self, world: &World, cell: &EnvCell) -> Arc<[crate::lighting::Lamp]> {
+        cached(&self.lamps, cell.id.0, || crate::lighting::lamps_of(self, world, cell))
+    }
+
+    /// The ground of a landblock. `neighbours` tells, bit by bit, which of the eight blocks around it are loaded:
+    /// the light on its border depends on them.
+    pub(crate) fn land(&self, world: &World, block: vestibule_world::BlockId) -> Option<Arc<crate::land::LandMesh>> {
+        let key = (block.0, crate::land::loaded_neighbours(world, block));
+        cached(&self.lands, key, || {
+            crate::land::LandMesh::build(self, world, block).map(Arc::new)
+        })
+    }
 }

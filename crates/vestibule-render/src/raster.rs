@@ -118,9 +118,29 @@ impl Buffers {
         y as usize * self.screen.width as usize
     }
 
+    /// No pixels: stands in while the real ones are lent out.
+    pub(crate) fn empty(screen: Projection) -> Self {
+        Buffers {
+            screen,
+            color: Vec::new(),
+            depth: Vec::new(),
+            ids: Vec::new(),
+        }
+    }
+
     /// A triangle in one id: test nearer or equal, depth and id written.
     pub(crate) fn id_triangle(&mut self, p: [DVec3; 3], id: PixelId, confine: &[Affine]) {
-        let Some(setup) = Setup::new(&self.screen, p, Facing::Front, GROWTH) else {
+        self.id_triangle_facing(p, id, confine, Facing::Front);
+    }
+
+    pub(crate) fn id_triangle_facing(
+        &mut self,
+        p: [DVec3; 3],
+        id: PixelId,
+        confine: &[Affine],
+        facing: Facing,
+    ) {
+        let Some(setup) = Setup::new(&self.screen, p, facing, GROWTH) else {
             return;
         };
         let near = self.screen.near;

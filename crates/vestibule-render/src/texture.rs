@@ -5,9 +5,9 @@ use vestibule_dat::record::{Palette, PixelFormat, RenderSurface};
 use crate::dxt::{self, Dxt};
 
 /// Longest side of a texture that is decoded (`dat-format.md` X15).
-pub const MAX_TEXTURE_SIDE: u32 = 8192;
+pub(crate) const MAX_TEXTURE_SIDE: u32 = 8192;
 /// Most pixels of a texture that is decoded: 64 MB decoded.
-pub const MAX_TEXTURE_PIXELS: u64 = 1 << 24;
+pub(crate) const MAX_TEXTURE_PIXELS: u64 = 1 << 24;
 
 /// How a surface wants its picture decoded: the same record gives different pixels (`rendering.md` 15.1c).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
