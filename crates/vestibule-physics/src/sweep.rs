@@ -8,9 +8,9 @@ use crate::collision_info::CollisionInfo;
 use crate::constants::{DUMMY_SPHERE_RADIUS, STEP_HEIGHT_WITHOUT_SETUP};
 use crate::error::SweepError;
 use crate::flags::{ObjectKind, ObjectState, PhysicsState};
-use crate::obj_collisions::ObjectRef;
+use crate::obj_collisions::{ObjectRef, Target};
 use crate::object_info::ObjectInfo;
-use crate::population::{BodyId, Population};
+use crate::population::{BodyId, Event, Population};
 use crate::sphere_path::SpherePath;
 use crate::transition::{Transition, calc_num_steps, cell_ref};
 
@@ -174,6 +174,7 @@ pub struct Touch {
 pub struct Scratch {
     pub(crate) cell_array: CellArray,
     pub(crate) touched: Vec<Touch>,
+    pub(crate) events: Vec<Event>,
 }
 
 impl Scratch {
@@ -182,6 +183,7 @@ impl Scratch {
         Scratch {
             cell_array: CellArray::new(),
             touched: Vec::with_capacity(16),
+            events: Vec::with_capacity(16),
         }
     }
 
@@ -193,6 +195,11 @@ impl Scratch {
     /// The objects the last sweep ran into, in order.
     pub fn touched(&self) -> &[Touch] {
         &self.touched
+    }
+
+    /// What happened to bodies during the last call of [`Population`] that moves them, in order.
+    pub fn events(&self) -> &[Event] {
+        &self.events
     }
 }
 
@@ -392,4 +399,17 @@ impl Transition<'_, '_> {
             velocity_killed: info.velocity_killed,
         })
     }
+}
+
+/// Whether `mover` at `at` overlaps an object (`transition.md` 3.7).
+pub(crate) fn overlaps<'w>(
+    world: &'w World,
+    population: &'w Population,
+    scratch: &mut Scratch,
+    mover: &Mover,
+    at: &Position,
+    target: &Target<'w>,
+) -> bool {
+    let path = SpherePath::new(mover.spheres(), cell_ref(world, at.cell), None, *at);
+    begin(world, population, scratch, mover, &Carried::default(), path).check_collisions(target)
 }

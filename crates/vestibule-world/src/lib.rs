@@ -54,6 +54,7 @@ mod source;
 pub mod terrain;
 pub mod texture_code;
 pub mod transit;
+mod transit_hints;
 mod transit_parts;
 mod world;
 
@@ -75,5 +76,6 @@ pub use shadow::{ShadowLists, calc_cross_cells_static, part_bounds};
 pub use shape::{Aperture, Building, BuildingPortal, Model, Shape, ShapePart, StaticObject, StaticRef};
 pub use source::{MemoryRecords, RecordSource, SourceError, Store};
 pub use terrain::{LandCell, Split, TerrainPolygon, TerrainWord, Water};
+pub use transit_hints::TransitHints;
 pub use transit_parts::{PartBounds, find_bbox_cell_list};
 pub use world::{Ground, World, WorldSettings, is_over_block};
