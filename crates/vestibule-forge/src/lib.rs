@@ -6,8 +6,10 @@ pub mod geometry;
 mod scene;
 mod text;
 mod compile;
+mod embedded;
 pub mod visibility;
 
+pub use embedded::{EMBEDDED_SCENE, embedded_world};
 pub use compile::{CompileStats, CompiledWorld};
 pub use text::{Diagnostic, Diagnostics, Severity};
 

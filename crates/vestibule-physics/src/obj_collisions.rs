@@ -201,8 +201,9 @@ impl<'w> Transition<'w, '_> {
             return TransitionState::Ok;
         };
         self.path.cache_localspace_sphere(space);
-        let spheres = &self.path.localspace_sphere[..self.path.num_sphere];
-        if !spheres.iter().any(|s| spheres_overlap(bound, s)) {
+        let reached = spheres_overlap(bound, &self.path.localspace_foot)
+            || (self.path.num_sphere > 1 && spheres_overlap(bound, &self.path.localspace_head()));
+        if !reached {
             return TransitionState::Ok;
         }
         if self.path.insert_type == InsertType::InitialPlacement {

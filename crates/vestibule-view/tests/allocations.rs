@@ -65,7 +65,10 @@ fn s14_5_a_warm_traversal_does_not_allocate() {
             seen += pview.look_in_block(Some(&openings), camera).cells().len();
         }
     };
-    assert!(allocations(|| run(&mut pview)) > 0, "the first run warms up, or the counter does not count");
+    assert!(
+        allocations(|| run(&mut pview)) > 0,
+        "the first run warms up, or the counter does not count"
+    );
     assert_eq!(allocations(|| run(&mut pview)), 0);
     assert!(seen > 1_000);
 }

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use vestibule_dat::primitive::Bool32;
 use vestibule_dat::record::{LandBlock, LandBlockInfo, RecordError, Stab};
 use vestibule_dat::{DatBuilder, DatKind, DatSet, Header, WriteOptions};
-use vestibule_world::{BlockId, CellId, Frame, MemoryRecords, Position};
+use vestibule_world::{BlockId, CellId, Frame, MemoryRecords, Position, Store};
 
 use super::cells::SiteCells;
 use super::land::Land;
@@ -57,8 +57,10 @@ impl CompiledWorld {
     /// The records as a source for `vestibule_world::World`.
     pub fn memory_records(&self) -> MemoryRecords {
         let mut out = MemoryRecords::new();
-        for (id, bytes) in self.portal.iter().chain(&self.cell) {
-            out.insert(*id, bytes.clone());
+        for (store, records) in [(Store::Portal, &self.portal), (Store::Cell, &self.cell)] {
+            for (id, bytes) in records {
+                out.insert(store, *id, bytes.clone());
+            }
         }
         out
     }

@@ -142,6 +142,14 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
         summary.seconds,
         count(summary.steps, "step")
     )?;
+    if summary.falls > 0 || summary.teleports > 0 {
+        writeln!(
+            out,
+            "{head}falls{head:#}        {}, put back {} where there was no way back on foot",
+            summary.falls,
+            count(summary.teleports, "time")
+        )?;
+    }
     for (title, list) in [("not passed", &summary.not_passed), ("not reached", &summary.unreached_entrances)] {
         for (i, opening) in list.iter().enumerate().take(12) {
             let title = if i == 0 { title } else { "" };
