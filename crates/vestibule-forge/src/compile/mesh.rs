@@ -70,12 +70,9 @@ impl Mesh {
 
     /// The drawn polygons. `materials[source]` is a piece's material, `sizes` the metres each material covers.
     pub(crate) fn drawn(&mut self, pieces: &[Piece], materials: &[usize], sizes: &[f64]) -> Vec<PolygonRecord> {
-        let mut points: Vec<DVec3> = Vec::new();
-        for point in pieces.iter().flat_map(|p| &p.polygon.points) {
-            if !points.contains(point) {
-                points.push(*point);
-            }
-        }
+        let mut points: Vec<DVec3> = pieces.iter().flat_map(|p| p.polygon.points.iter().copied()).collect();
+        points.sort_by(|a, b| a.to_array().partial_cmp(&b.to_array()).unwrap_or(core::cmp::Ordering::Equal));
+        points.dedup();
         let mut out = Vec::with_capacity(pieces.len());
         for (id, piece) in pieces.iter().enumerate() {
             let material = materials[piece.source];
@@ -132,6 +129,10 @@ impl Mesh {
 /// corner to corner and no cracks show; at most 255 corners. It starts where a fan of triangles keeps most of them.
 fn stitched(polygon: &Polygon, points: &[DVec3]) -> Vec<DVec3> {
     let n = polygon.points.len();
+    let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (low, high) = polygon.points.iter().fold(start, |(low, high), p| (low.min(*p), high.max(*p)));
+    let near: Vec<DVec3> =
+        points.iter().filter(|p| p.cmpge(low - 1.0e-4).all() && p.cmple(high + 1.0e-4).all()).copied().collect();
     let mut out = Vec::with_capacity(n + 4);
     for i in 0..n {
         let (a, b) = (polygon.points[i], polygon.points[(i + 1) % n]);
@@ -139,7 +140,7 @@ fn stitched(polygon: &Polygon, points: &[DVec3]) -> Vec<DVec3> {
         let along = b - a;
         let length = along.length_squared();
         let mut between: Vec<(f64, DVec3)> = Vec::new();
-        for p in points {
+        for p in &near {
             let t = (*p - a).dot(along) / length;
             if t > 1.0e-5 && t < 1.0 - 1.0e-5 && (*p - a - along * t).length_squared() < 1.0e-9 {
                 between.push((t, *p));
