@@ -7,9 +7,12 @@ use vestibule_dat::record::region::{
 };
 use vestibule_dat::record::{PixelFormat, RecordError};
 
-use super::texture::{blend_map, texture};
+use super::texture::{Painter, blend_map};
 use super::world::Records;
 use crate::scene::{Pattern, TERRAIN_TYPES};
+
+/// Seed of all ground textures: patterns of walls differ from those of the ground.
+const GROUND_SEED: u32 = 400;
 
 const REGION: u32 = 0x1300_0000;
 
@@ -62,7 +65,13 @@ const DAY: [Hour; 6] = [
 ];
 
 /// Adds the region and the terrain textures of the types in `kinds`.
-pub(crate) fn add_region(records: &mut Records, name: &str, step: f64, kinds: &[u8]) -> Result<(), RecordError> {
+pub(crate) fn add_region(
+    records: &mut Records,
+    painter: &mut Painter,
+    name: &str,
+    step: f64,
+    kinds: &[u8],
+) -> Result<(), RecordError> {
     let mut merge = TexMerge { base_tex_size: 256, ..TexMerge::default() };
     let mut map = |code: u32, reach: f64, seed: u32| {
         super::surface::add_image(records, PixelFormat::LscapeAlpha, blend_map(code, reach, seed))
@@ -76,7 +85,7 @@ pub(crate) fn add_region(records: &mut Records, name: &str, step: f64, kinds: &[
     }
     for &kind in kinds {
         let (pattern, color, second, tiling) = look(kind);
-        let pixels = texture(pattern, color, second, 400 + u32::from(kind));
+        let pixels = painter.texture(pattern, color, second, GROUND_SEED);
         let pixels = pixels.into_iter().flatten().collect();
         let image = super::surface::add_image(records, PixelFormat::LscapeR8G8B8, pixels)?;
         merge.textures.push(TerrainTexture {

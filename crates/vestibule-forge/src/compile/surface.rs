@@ -2,7 +2,7 @@
 
 use vestibule_dat::record::{Paint, PixelFormat, RecordError, RenderSurface, Surface, SurfaceTexture};
 
-use super::texture::{SIDE, texture};
+use super::texture::{Painter, SIDE};
 use super::world::Records;
 use crate::scene::{Material, Pattern};
 
@@ -19,10 +19,14 @@ pub(crate) fn add_image(records: &mut Records, format: PixelFormat, pixels: Vec<
 }
 
 /// Adds the Surfaces of all materials; answers their ids.
-pub(crate) fn add_surfaces(records: &mut Records, materials: &[Material]) -> Result<Vec<u32>, RecordError> {
+pub(crate) fn add_surfaces(
+    records: &mut Records,
+    painter: &mut Painter,
+    materials: &[Material],
+) -> Result<Vec<u32>, RecordError> {
     let mut out = Vec::new();
     for material in materials {
-        let pixels = texture(material.pattern, material.color, material.second, material.seed);
+        let pixels = painter.texture(material.pattern, material.color, material.second, material.seed);
         let bytes = pixels.iter().flat_map(|[r, g, b]| [*b, *g, *r]).collect();
         let texture = add_image(records, PixelFormat::R8G8B8, bytes)?;
         let glows = material.pattern == Pattern::Glow;

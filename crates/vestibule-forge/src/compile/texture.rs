@@ -100,23 +100,37 @@ fn shade(t: &Tables, pattern: Pattern, (u, v): (f64, f64), seed: u32) -> (f64, f
     }
 }
 
-/// The pixels of a texture, rows from top to bottom, red green blue.
-pub(crate) fn texture(pattern: Pattern, color: [u8; 3], second: [u8; 3], seed: u32) -> Vec<[u8; 3]> {
-    let tables = Tables::default();
-    let mut out = Vec::with_capacity(SIDE * SIDE);
-    for y in 0..SIDE {
-        for x in 0..SIDE {
-            let (u, v) = ((x as f64 + 0.5) / SIDE as f64, (y as f64 + 0.5) / SIDE as f64);
-            let (mix, bright) = shade(&tables, pattern, (u, v), seed);
+/// Draws textures. What a pattern looks like is computed once; materials only colour it.
+#[derive(Default)]
+pub(crate) struct Painter {
+    /// Pattern and seed with, for each pixel, the share of the second colour and the brightness.
+    drawn: Vec<(Pattern, u32, Vec<(f64, f64)>)>,
+}
+
+impl Painter {
+    fn shades(&mut self, pattern: Pattern, seed: u32) -> &[(f64, f64)] {
+        let at = self.drawn.iter().position(|(p, s, _)| (*p, *s) == (pattern, seed)).unwrap_or_else(|| {
+            let tables = Tables::default();
+            let place = |k: usize| (k as f64 + 0.5) / SIDE as f64;
+            let pixel = |k: usize| shade(&tables, pattern, (place(k % SIDE), place(k / SIDE)), seed);
+            self.drawn.push((pattern, seed, (0..SIDE * SIDE).map(pixel).collect()));
+            self.drawn.len() - 1
+        });
+        &self.drawn[at].2
+    }
+
+    /// The pixels of a texture, rows from top to bottom, red green blue.
+    pub(crate) fn texture(&mut self, pattern: Pattern, color: [u8; 3], second: [u8; 3], seed: u32) -> Vec<[u8; 3]> {
+        let colored = |&(mix, bright): &(f64, f64)| {
             let mix = mix.clamp(0.0, 1.0);
             let channel = |k: usize| {
                 let (a, b) = (f64::from(color[k]), f64::from(second[k]));
                 ((a + (b - a) * mix) * bright).clamp(0.0, 255.0) as u8
             };
-            out.push([channel(0), channel(1), channel(2)]);
-        }
+            [channel(0), channel(1), channel(2)]
+        };
+        self.shades(pattern, seed).iter().map(colored).collect()
     }
-    out
 }
 
 /// A terrain blend map: 0 where the corners of `code` (SW 1, SE 2, NE 4, NW 8) are, 255 elsewhere, with a ragged

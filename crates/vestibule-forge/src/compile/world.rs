@@ -254,11 +254,15 @@ impl Compiler<'_> {
         let mut records = Records::default();
         let mut out = CompiledWorld { name: self.scene.name.clone(), ..CompiledWorld::default() };
         let none = Span::default();
-        let surfaces = super::surface::add_surfaces(&mut records, &self.scene.materials);
+        let mut painter = super::texture::Painter::default();
+        let surfaces = super::surface::add_surfaces(&mut records, &mut painter, &self.scene.materials);
         let surfaces = self.report(none, surfaces).unwrap_or_default();
         let sizes: Vec<f64> = self.scene.materials.iter().map(|m| m.size).collect();
         let kinds = self.land.kinds_in_use();
-        let region = super::region::add_region(&mut records, &self.scene.name, self.scene.height_step, &kinds);
+        let region = {
+            let (name, step) = (&self.scene.name, self.scene.height_step);
+            super::region::add_region(&mut records, &mut painter, name, step, &kinds)
+        };
         self.report(none, region);
         let mut models = Vec::new();
         for model in &self.scene.models {

@@ -198,7 +198,7 @@ impl Reader<'_> {
             }
         };
         let mut material =
-            Material { name, pattern, color: [128; 3], second: [80; 3], size: 2.0, seed: self.materials.len() as u32 };
+            Material { name, pattern, color: [128; 3], second: [80; 3], size: 2.0, seed: 0 };
         while let Some(word) = args.any_word() {
             match word.text.as_str() {
                 "color" => material.color = self.color(&mut args).ok()?,
