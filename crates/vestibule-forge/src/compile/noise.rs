@@ -21,7 +21,11 @@ pub(crate) fn hash01(n: u32, seed: u32) -> f64 {
 }
 
 fn lattice(x: i64, y: i64, seed: u32) -> f64 {
-    hash01((x as u32).wrapping_mul(0x01F1_F1F1) ^ (y as u32).wrapping_mul(0x3C6E_F372), seed) * 2.0 - 1.0
+    hash01(
+        (x as u32).wrapping_mul(0x01F1_F1F1) ^ (y as u32).wrapping_mul(0x3C6E_F372),
+        seed,
+    ) * 2.0
+        - 1.0
 }
 
 fn fade(t: f64) -> f64 {

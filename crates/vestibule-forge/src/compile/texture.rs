@@ -30,7 +30,10 @@ fn courses(u: f64, v: f64, across: u32, rows: u32, seed: u32) -> (f64, f64) {
     let (fx, fy) = (x - x.floor(), v * f64::from(rows) - row);
     let edge = |t: f64| t.min(1.0 - t);
     let to_joint = (edge(fx) / f64::from(across)).min(edge(fy) / f64::from(rows));
-    (hash01(column + 131 * row as u32, seed), (to_joint * 64.0 - 0.5).clamp(0.0, 1.0))
+    (
+        hash01(column + 131 * row as u32, seed),
+        (to_joint * 64.0 - 0.5).clamp(0.0, 1.0),
+    )
 }
 
 /// What to mix of the two colours, and how bright the mixture is.
@@ -61,7 +64,13 @@ fn shade(t: &Tables, pattern: Pattern, (u, v): (f64, f64), seed: u32) -> (f64, f
             };
             let warp = if pattern == Pattern::Cobbles { 0.02 } else { 0.004 };
             let (du, dv) = (warp * grain(8, 2, seed), warp * grain(8, 2, seed ^ 9));
-            let (stone, joint) = courses((u + du).rem_euclid(1.0), (v + dv).rem_euclid(1.0), across, rows, seed);
+            let (stone, joint) = courses(
+                (u + du).rem_euclid(1.0),
+                (v + dv).rem_euclid(1.0),
+                across,
+                rows,
+                seed,
+            );
             (1.0 - joint, 0.86 + 0.26 * stone + 0.12 * fine)
         }
         Pattern::Plaster => (0.15 + 0.25 * grain(3, 3, seed), 1.0 + 0.05 * fine),
@@ -74,7 +83,11 @@ fn shade(t: &Tables, pattern: Pattern, (u, v): (f64, f64), seed: u32) -> (f64, f
             // Plaster between upright and level timbers.
             let frame = u.min(1.0 - u) < 0.07 || v.min(1.0 - v) < 0.07;
             let fibre = t.noise(u * 24.0, v * 24.0, 24, seed);
-            if frame { (1.0, 1.0 + 0.2 * fibre) } else { (0.08, 1.0 + 0.06 * fine) }
+            if frame {
+                (1.0, 1.0 + 0.2 * fibre)
+            } else {
+                (0.08, 1.0 + 0.06 * fine)
+            }
         }
         Pattern::Thatch => {
             let straw = t.noise(u * 40.0, v * 6.0, 2, seed);
@@ -109,18 +122,29 @@ pub(crate) struct Painter {
 
 impl Painter {
     fn shades(&mut self, pattern: Pattern, seed: u32) -> &[(f64, f64)] {
-        let at = self.drawn.iter().position(|(p, s, _)| (*p, *s) == (pattern, seed)).unwrap_or_else(|| {
-            let tables = Tables::default();
-            let place = |k: usize| (k as f64 + 0.5) / SIDE as f64;
-            let pixel = |k: usize| shade(&tables, pattern, (place(k % SIDE), place(k / SIDE)), seed);
-            self.drawn.push((pattern, seed, (0..SIDE * SIDE).map(pixel).collect()));
-            self.drawn.len() - 1
-        });
+        let at = self
+            .drawn
+            .iter()
+            .position(|(p, s, _)| (*p, *s) == (pattern, seed))
+            .unwrap_or_else(|| {
+                let tables = Tables::default();
+                let place = |k: usize| (k as f64 + 0.5) / SIDE as f64;
+                let pixel = |k: usize| shade(&tables, pattern, (place(k % SIDE), place(k / SIDE)), seed);
+                self.drawn
+                    .push((pattern, seed, (0..SIDE * SIDE).map(pixel).collect()));
+                self.drawn.len() - 1
+            });
         &self.drawn[at].2
     }
 
     /// The pixels of a texture, rows from top to bottom, red green blue.
-    pub(crate) fn texture(&mut self, pattern: Pattern, color: [u8; 3], second: [u8; 3], seed: u32) -> Vec<[u8; 3]> {
+    pub(crate) fn texture(
+        &mut self,
+        pattern: Pattern,
+        color: [u8; 3],
+        second: [u8; 3],
+        seed: u32,
+    ) -> Vec<[u8; 3]> {
         let colored = |&(mix, bright): &(f64, f64)| {
             let mix = mix.clamp(0.0, 1.0);
             let channel = |k: usize| {

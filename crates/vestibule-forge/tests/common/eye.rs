@@ -7,7 +7,10 @@ use vestibule_world::{CellId, CellPortal, EnvCell, PortalTarget, World};
 
 /// A portal's polygon in the frame of its landblock.
 pub(crate) fn portal_points(cell: &EnvCell, portal: &CellPortal) -> Vec<DVec3> {
-    cell.portal_vertices(portal).iter().map(|v| cell.frame.local_to_global(*v).as_dvec3()).collect()
+    cell.portal_vertices(portal)
+        .iter()
+        .map(|v| cell.frame.local_to_global(*v).as_dvec3())
+        .collect()
 }
 
 fn clip(points: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
@@ -26,7 +29,13 @@ fn clip(points: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
 }
 
 fn area(points: &[DVec3]) -> f64 {
-    points.windows(2).skip(1).map(|w| (w[0] - points[0]).cross(w[1] - points[0])).sum::<DVec3>().length() / 2.0
+    points
+        .windows(2)
+        .skip(1)
+        .map(|w| (w[0] - points[0]).cross(w[1] - points[0]))
+        .sum::<DVec3>()
+        .length()
+        / 2.0
 }
 
 /// The cells seen from `eye` in `cell`, and whether the outside is.
@@ -47,7 +56,11 @@ fn look(
     for portal in &cell.portals {
         let local = cell.frame.global_to_local(eye.as_vec3());
         let front = portal.plane.dist(local);
-        let depth = if portal.interior_is_negative { -front } else { front };
+        let depth = if portal.interior_is_negative {
+            -front
+        } else {
+            front
+        };
         if depth < 1.0e-3 {
             continue; // Seen from behind, or edge-on.
         }
@@ -84,7 +97,9 @@ fn look(
 
 /// Points inside a cell, spread by a counter; landblock frame.
 pub(crate) fn points_inside(cell: &EnvCell, count: usize, seed: u64) -> Vec<Vec3> {
-    let Some(bounds) = cell.structure.bounds else { return Vec::new() };
+    let Some(bounds) = cell.structure.bounds else {
+        return Vec::new();
+    };
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
     let mut next = || {
         state ^= state << 13;
@@ -95,7 +110,14 @@ pub(crate) fn points_inside(cell: &EnvCell, count: usize, seed: u64) -> Vec<Vec3
     let mut out = Vec::new();
     for _ in 0..count * 50 {
         let p = bounds.min + (bounds.max - bounds.min) * Vec3::new(next(), next(), next());
-        if out.len() < count && cell.structure.cell_bsp.planes().iter().all(|plane| plane.dist(p) > 0.001) {
+        if out.len() < count
+            && cell
+                .structure
+                .cell_bsp
+                .planes()
+                .iter()
+                .all(|plane| plane.dist(p) > 0.001)
+        {
             out.push(cell.frame.local_to_global(p));
         }
     }

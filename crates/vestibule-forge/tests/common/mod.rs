@@ -26,13 +26,35 @@ impl<'w> Walker<'w> {
     pub(crate) fn new(world: &'w World, cell: CellId, at: Vec3) -> Self {
         let (population, mut scratch, mover) = (Population::new(), Scratch::new(), Mover::player());
         let low = mover.spheres()[0].center;
-        let adjusted = adjust_position(world, &Position::new(cell, at), low, true).expect("a place in a cell");
-        let placed = place(world, &population, &mut scratch, &mover, &adjusted.position, true, true).unwrap();
+        let adjusted =
+            adjust_position(world, &Position::new(cell, at), low, true).expect("a place in a cell");
+        let placed = place(
+            world,
+            &population,
+            &mut scratch,
+            &mover,
+            &adjusted.position,
+            true,
+            true,
+        )
+        .unwrap();
         assert!(placed.ok, "a player does not fit at {cell:?} {at}");
         let cell = placed.cell.expect("a cell");
-        let at = Position { cell, ..placed.position };
+        let at = Position {
+            cell,
+            ..placed.position
+        };
         let carried = placed.carried();
-        let mut walker = Walker { world, population, scratch, mover, at, carried, fall: 0.0, trail: vec![cell] };
+        let mut walker = Walker {
+            world,
+            population,
+            scratch,
+            mover,
+            at,
+            carried,
+            fall: 0.0,
+            trail: vec![cell],
+        };
         for _ in 0..100 {
             walker.step(Vec2::ZERO);
         }
@@ -52,10 +74,21 @@ impl<'w> Walker<'w> {
             wanted.z = self.fall / 30.0;
         }
         let to = Position::new(self.at.cell, self.at.origin() + wanted);
-        let swept =
-            sweep(self.world, &self.population, &mut self.scratch, &self.mover, &self.carried, &self.at, &to).unwrap();
+        let swept = sweep(
+            self.world,
+            &self.population,
+            &mut self.scratch,
+            &self.mover,
+            &self.carried,
+            &self.at,
+            &to,
+        )
+        .unwrap();
         if let (true, Some(cell)) = (swept.ok, swept.cell) {
-            self.at = Position { cell, ..swept.position };
+            self.at = Position {
+                cell,
+                ..swept.position
+            };
             self.carried = swept.carried();
             if self.trail.last() != Some(&cell) {
                 self.trail.push(cell);
