@@ -43,12 +43,11 @@ impl Transition<'_, '_> {
         self.info.clear_contact_plane();
         self.path.restore_check_pos();
         let Some(walkable) = self.path.walkable else {
-            self.path.cell_array_valid = true;
             *ts = TransitionState::Collided;
             return true;
         };
         self.path.cache_localspace_sphere(walkable.space);
-        let foot = self.path.localspace_sphere[0];
+        let foot = self.path.localspace_foot;
         if let Some(walkable) = &mut self.path.walkable {
             walkable.check_pos = foot;
         }
@@ -61,7 +60,6 @@ impl Transition<'_, '_> {
         self.path.walkable = None;
         self.path.restore_check_pos();
         self.info.clear_contact_plane();
-        self.path.cell_array_valid = true;
     }
 
     /// Steps down from the last accepted place; only the polygon found matters (case 5).

@@ -14,8 +14,8 @@ impl<'w> Transition<'w, '_> {
     /// 7.4).
     pub(crate) fn find_collisions_in_cell(&mut self, cell: CellRef<'w>) -> TransitionState {
         match cell {
-            CellRef::Env(cell) => match self.find_env_cell_collisions(cell) {
-                TransitionState::Ok => self.find_obj_collisions(cell.id),
+            CellRef::Env { cell, block } => match self.find_env_cell_collisions(cell) {
+                TransitionState::Ok => self.find_obj_collisions(cell.id, block),
                 ts => ts,
             },
             CellRef::Land { id, cell, block } => {
@@ -26,7 +26,7 @@ impl<'w> Transition<'w, '_> {
                     }
                 }
                 if ts == TransitionState::Ok {
-                    self.find_obj_collisions(id)
+                    self.find_obj_collisions(id, block)
                 } else {
                     ts
                 }
@@ -189,8 +189,7 @@ impl<'w> Transition<'w, '_> {
             return TransitionState::Ok;
         }
         let t = a / approach;
-        let began_indoors = self.path.begin_pos.is_some_and(|p| p.cell.is_indoor());
-        if (t <= 0.0 || t > 1.0) && began_indoors {
+        if (t <= 0.0 || t > 1.0) && self.path.began_indoors {
             return TransitionState::Ok;
         }
         self.path.add_offset_to_check_pos(m * -t);
@@ -211,7 +210,7 @@ impl<'w> Transition<'w, '_> {
         let low = cell.low().wrapping_sub(1);
         let half = vestibule_world::constants::SQUARE_LENGTH / 2.0;
         let center = |k: u16| f32::from(2 * k + 1) * half;
-        let curr = self.path.curr_pos.frame.origin - self.blk(self.path.curr_pos.cell, cell);
+        let curr = self.path.curr_pos.origin - self.blk(self.path.curr_pos.cell, cell);
         let (x, y) = (curr.x - center(low >> 3), curr.y - center(low & 7));
         let n = if y.abs() <= half {
             if x < -half { -Vec3::X } else { Vec3::X }

@@ -14,11 +14,11 @@ impl<'w> Transition<'w, '_> {
     pub(crate) fn find_collisions_with_bsp(&mut self, bsp: &'w PhysicsBsp) -> TransitionState {
         let path = &self.path;
         let two = path.num_sphere > 1;
-        let [foot, head] = path.localspace_sphere;
+        let foot = path.localspace_foot;
         if path.insert_type == InsertType::Placement || path.obstruction_ethereal {
             let center_check = !(path.bldg_check && path.hits_interior_cell);
             let hit = bsp_tree::sphere_intersects_solid(bsp, &foot, center_check)
-                || (two && bsp_tree::sphere_intersects_solid(bsp, &head, center_check));
+                || (two && bsp_tree::sphere_intersects_solid(bsp, &path.localspace_head(), center_check));
             return if hit {
                 TransitionState::Collided
             } else {
@@ -36,7 +36,7 @@ impl<'w> Transition<'w, '_> {
         if path.step_down {
             return self.step_sphere_down(bsp);
         }
-        let movement = foot.center - path.localspace_curr_center[0];
+        let movement = foot.center - path.localspace_curr_foot();
         if path.collide {
             return self.rest_on_walkable(bsp, movement);
         }
@@ -48,7 +48,12 @@ impl<'w> Transition<'w, '_> {
             }
             if two {
                 let mut head_poly = None;
-                let head_hit = bsp_tree::sphere_intersects_poly(bsp, &head, movement, &mut head_poly);
+                let head_hit = bsp_tree::sphere_intersects_poly(
+                    bsp,
+                    &self.path.localspace_head(),
+                    movement,
+                    &mut head_poly,
+                );
                 match (head_hit, head_poly, foot_poly) {
                     (true, Some(face), _) => {
                         let n = self.path.localspace_vec_to_global(face.plane.normal);
@@ -75,7 +80,7 @@ impl<'w> Transition<'w, '_> {
         }
         if two {
             let mut head_poly = None;
-            bsp_tree::sphere_intersects_poly(bsp, &head, movement, &mut head_poly);
+            bsp_tree::sphere_intersects_poly(bsp, &self.path.localspace_head(), movement, &mut head_poly);
             if let Some(face) = head_poly {
                 let n = self.path.localspace_vec_to_global(face.plane.normal);
                 self.info.set_collision_normal(n);
@@ -101,7 +106,7 @@ impl<'w> Transition<'w, '_> {
     /// Moves the candidate back along `movement` onto the last polygon it can stand on (6.10.4, 6.11.1).
     fn rest_on_walkable(&mut self, bsp: &'w PhysicsBsp, movement: glam::Vec3) -> TransitionState {
         let path = &self.path;
-        let before = path.localspace_sphere[0];
+        let before = path.localspace_foot;
         let mut search = WalkableSearch {
             sphere: before,
             movement,
@@ -165,8 +170,8 @@ impl<'w> Transition<'w, '_> {
             self.info.set_collision_normal(n);
             return TransitionState::Collided;
         }
-        let sphere = self.path.localspace_sphere[0];
-        let curr = self.path.localspace_curr_center[0];
+        let sphere = self.path.localspace_foot;
+        let curr = self.path.localspace_curr_foot();
         let Some(center) = bsp_tree::adjust_to_plane(bsp, &sphere, curr, face) else {
             return TransitionState::Collided;
         };
@@ -182,8 +187,9 @@ impl<'w> Transition<'w, '_> {
         let path = &self.path;
         let two = path.num_sphere > 1;
         let check_center = !(path.bldg_check && path.hits_interior_cell);
-        let start = path.localspace_sphere[0].center;
-        let [mut foot, mut head] = path.localspace_sphere;
+        let mut foot = path.localspace_foot;
+        let start = foot.center;
+        let mut head = if two { path.localspace_head() } else { foot };
         let mut radius = foot.radius;
         let mut found = SolidPoly::default();
         for round in 0..PLACEMENT_INSERT_BUDGET {

@@ -118,7 +118,7 @@ impl<'w> Transition<'w, '_> {
         }
         match ts {
             TransitionState::Ok => {
-                self.accept_candidate();
+                self.path.accept();
                 TransitionState::Ok
             }
             TransitionState::Adjusted | TransitionState::Slid if adjust => {
@@ -134,7 +134,7 @@ impl<'w> Transition<'w, '_> {
             return TransitionState::Collided;
         }
         match ts {
-            TransitionState::Ok => self.accept_candidate(),
+            TransitionState::Ok => self.path.accept(),
             TransitionState::Invalid => {}
             _ if self.path.placement_allows_sliding => {
                 // Retail `COLLISIONINFO::init`: the planes and cells of the last known plane stay.

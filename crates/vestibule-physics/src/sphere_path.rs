@@ -1,17 +1,21 @@
 //! The moving spheres: last accepted pose, candidate pose and sub-modes (retail `SPHEREPATH`,
 //! `transition.md` 2.2).
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use vestibule_world::ids::block_offset;
 use vestibule_world::{CellId, EnvCell, Face, Frame, LandCell, Landblock, PhysicsBsp, Position, Sphere};
 
+use crate::constants::EPSILON;
 use crate::math::UP;
 use crate::transition::InsertType;
 
 /// A resident cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum CellRef<'w> {
-    Env(&'w EnvCell),
+    Env {
+        cell: &'w EnvCell,
+        block: &'w Landblock,
+    },
     Land {
         id: CellId,
         cell: &'w LandCell,
@@ -23,7 +27,7 @@ impl CellRef<'_> {
     #[inline]
     pub(crate) fn id(&self) -> CellId {
         match self {
-            CellRef::Env(cell) => cell.id,
+            CellRef::Env { cell, .. } => cell.id,
             CellRef::Land { id, .. } => *id,
         }
     }
@@ -58,24 +62,60 @@ pub(crate) struct NegPolyHit {
     pub(crate) normal: Vec3,
 }
 
+/// A cell and an origin in the frame of its landblock. Rotations are kept apart: within a step they are constant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pose {
+    pub(crate) cell: CellId,
+    pub(crate) origin: Vec3,
+}
+
+/// The local points of the mover, rotated: what to add to an origin to place them.
+#[derive(Clone, Copy, Debug)]
+struct Arms {
+    center: [Vec3; 2],
+    low: Vec3,
+}
+
+impl Arms {
+    #[inline]
+    fn of(frame: &Frame, spheres: &[Sphere; 2]) -> Self {
+        let foot = spheres[0];
+        let low = Vec3::new(foot.center.x, foot.center.y, foot.center.z - foot.radius);
+        if frame.rotation() == Quat::IDENTITY {
+            return Arms {
+                center: [foot.center, spheres[1].center],
+                low,
+            };
+        }
+        let rotated = |p| frame.local_to_global_vec(p);
+        Arms {
+            center: [rotated(foot.center), rotated(spheres[1].center)],
+            low: rotated(low),
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 pub(crate) struct SpherePath<'w> {
     pub(crate) num_sphere: usize,
     pub(crate) local_sphere: [Sphere; 2],
-    pub(crate) local_low_point: Vec3,
     pub(crate) global_sphere: [Sphere; 2],
     pub(crate) global_low_point: Vec3,
-    pub(crate) localspace_sphere: [Sphere; 2],
-    pub(crate) localspace_curr_center: [Vec3; 2],
+    /// The foot sphere in the space of the geometry being tested.
+    pub(crate) localspace_foot: Sphere,
     pub(crate) localspace: LocalSpace<'w>,
     pub(crate) localspace_z: Vec3,
-    pub(crate) begin_pos: Option<Position>,
-    pub(crate) end_pos: Position,
+    /// The sweep has a begin position, and it is indoors.
+    pub(crate) began_indoors: bool,
     pub(crate) curr_cell: Option<CellRef<'w>>,
-    pub(crate) curr_pos: Position,
+    pub(crate) curr_pos: Pose,
+    pub(crate) curr_rotation: Quat,
     pub(crate) global_curr_center: [Vec3; 2],
     pub(crate) check_cell: Option<CellRef<'w>>,
-    pub(crate) check_pos: Position,
+    pub(crate) check_pos: Pose,
+    pub(crate) check_rotation: Quat,
+    curr_arms: Arms,
+    check_arms: Arms,
     pub(crate) insert_type: InsertType,
     pub(crate) step_down: bool,
     pub(crate) step_up: bool,
@@ -83,63 +123,62 @@ pub(crate) struct SpherePath<'w> {
     pub(crate) hits_interior_cell: bool,
     pub(crate) bldg_check: bool,
     pub(crate) obstruction_ethereal: bool,
-    pub(crate) backup_cell: Option<CellRef<'w>>,
-    pub(crate) backup_check_pos: Position,
+    backup_cell: Option<CellRef<'w>>,
+    backup_check_pos: Pose,
     pub(crate) step_up_normal: Vec3,
     pub(crate) walkable_allowance: f32,
     pub(crate) walk_interp: f32,
     pub(crate) step_down_amt: f32,
     pub(crate) walkable: Option<Walkable<'w>>,
     pub(crate) check_walkable: bool,
-    pub(crate) cell_array_valid: bool,
     pub(crate) neg_poly_hit: Option<NegPolyHit>,
     pub(crate) placement_allows_sliding: bool,
 }
 
 impl<'w> SpherePath<'w> {
-    /// A path for a mover of one or two spheres, ready to go from `begin` (or to be placed, without one) at
-    /// `end` (retail `init_sphere` and `init_path`).
+    /// A path for a mover of one or two spheres at `at`, in `cell`, that has begun a move (or is to be placed
+    /// there) (retail `init_sphere` and `init_path`).
+    #[inline(always)]
     pub(crate) fn new(
-        spheres: &[Sphere],
+        num_sphere: usize,
+        local_sphere: &[Sphere; 2],
         cell: Option<CellRef<'w>>,
-        begin: Option<Position>,
-        end: Position,
+        at: &Position,
+        insert_type: InsertType,
     ) -> Self {
-        let mut local_sphere = [Sphere::default(); 2];
-        let num_sphere = spheres.len().min(2);
-        for (slot, sphere) in local_sphere.iter_mut().zip(spheres) {
-            *slot = *sphere;
-        }
-        let foot = local_sphere[0];
-        let local_low_point = Vec3::new(foot.center.x, foot.center.y, foot.center.z - foot.radius);
-        let curr_pos = begin.unwrap_or(end);
-        let insert_type = if begin.is_some() {
-            InsertType::Transition
-        } else {
-            InsertType::Placement
+        let arms = Arms::of(&at.frame, local_sphere);
+        let pose = Pose {
+            cell: at.cell,
+            origin: at.frame.origin,
         };
         let space = LocalSpace {
             cell: CellId::NONE,
             frame: &Frame::IDENTITY,
             scale: 1.0,
         };
-        let mut path = SpherePath {
+        let began_indoors = insert_type == InsertType::Transition && at.cell.is_indoor();
+        let centers = [pose.origin + arms.center[0], pose.origin + arms.center[1]];
+        SpherePath {
             num_sphere,
-            local_sphere,
-            local_low_point,
-            global_sphere: local_sphere,
-            global_low_point: Vec3::ZERO,
-            localspace_sphere: local_sphere,
-            localspace_curr_center: [Vec3::ZERO; 2],
+            local_sphere: *local_sphere,
+            global_sphere: [
+                Sphere::new(centers[0], local_sphere[0].radius),
+                Sphere::new(centers[1], local_sphere[1].radius),
+            ],
+            global_low_point: pose.origin + arms.low,
+            localspace_foot: Sphere::default(),
             localspace: space,
             localspace_z: UP,
-            begin_pos: begin,
-            end_pos: end,
+            began_indoors,
             curr_cell: cell,
-            curr_pos,
-            global_curr_center: [Vec3::ZERO; 2],
-            check_cell: None,
-            check_pos: curr_pos,
+            curr_pos: pose,
+            curr_rotation: at.frame.rotation(),
+            global_curr_center: centers,
+            check_cell: cell,
+            check_pos: pose,
+            check_rotation: at.frame.rotation(),
+            curr_arms: arms,
+            check_arms: arms,
             insert_type,
             step_down: false,
             step_up: false,
@@ -147,64 +186,81 @@ impl<'w> SpherePath<'w> {
             hits_interior_cell: false,
             bldg_check: false,
             obstruction_ethereal: false,
-            backup_cell: None,
-            backup_check_pos: curr_pos,
+            backup_cell: cell,
+            backup_check_pos: pose,
             step_up_normal: Vec3::ZERO,
             walkable_allowance: 0.0,
             walk_interp: 0.0,
             step_down_amt: 0.0,
             walkable: None,
             check_walkable: false,
-            cell_array_valid: false,
             neg_poly_hit: None,
             placement_allows_sliding: true,
-        };
-        path.cache_global_curr_center();
-        path
-    }
-
-    /// Recomputes the sphere centres at `curr_pos`.
-    #[inline]
-    pub(crate) fn cache_global_curr_center(&mut self) {
-        for i in 0..2 {
-            self.global_curr_center[i] = self.curr_pos.frame.local_to_global(self.local_sphere[i].center);
         }
     }
 
-    /// Recomputes the spheres at `check_pos`.
-    #[inline]
-    fn cache_global_sphere(&mut self) {
-        for i in 0..2 {
-            self.global_sphere[i].center = self.check_pos.frame.local_to_global(self.local_sphere[i].center);
-            self.global_sphere[i].radius = self.local_sphere[i].radius;
+    /// Turns the accepted pose without moving it.
+    pub(crate) fn set_curr_rotation(&mut self, rotation: Quat) {
+        if rotation != self.curr_rotation {
+            self.curr_rotation = rotation;
+            self.curr_arms = Arms::of(&Frame::new(Vec3::ZERO, rotation), &self.local_sphere);
         }
-        self.global_low_point = self.check_pos.frame.local_to_global(self.local_low_point);
     }
 
+    /// Turns the candidate. Its spheres follow when it is next set (3.5.4).
+    pub(crate) fn set_check_rotation(&mut self, rotation: Quat) {
+        self.check_rotation = rotation;
+        self.check_arms = Arms::of(&Frame::new(Vec3::ZERO, rotation), &self.local_sphere);
+    }
+
+    /// Sets the candidate and its spheres. Its rotation stays: it is constant within a step.
     #[inline]
-    pub(crate) fn set_check_pos(&mut self, pos: &Position, cell: Option<CellRef<'w>>) {
-        self.check_pos = *pos;
+    pub(crate) fn set_check_pos(&mut self, pos: Pose, cell: Option<CellRef<'w>>) {
+        self.check_pos = pos;
         self.check_cell = cell;
-        self.cell_array_valid = false;
-        self.cache_global_sphere();
+        self.global_sphere[0].center = pos.origin + self.check_arms.center[0];
+        self.global_sphere[1].center = pos.origin + self.check_arms.center[1];
+        self.global_low_point = pos.origin + self.check_arms.low;
     }
 
     /// Puts the candidate back to the accepted pose.
     #[inline]
     pub(crate) fn set_check_to_curr(&mut self) {
-        let pos = self.curr_pos;
-        self.set_check_pos(&pos, self.curr_cell);
+        self.check_rotation = self.curr_rotation;
+        self.check_arms = self.curr_arms;
+        self.set_check_pos(self.curr_pos, self.curr_cell);
+    }
+
+    /// The candidate becomes the accepted pose; its spheres are placed anew from it.
+    #[inline]
+    pub(crate) fn accept(&mut self) {
+        self.curr_pos = self.check_pos;
+        self.curr_cell = self.check_cell;
+        self.curr_rotation = self.check_rotation;
+        self.curr_arms = self.check_arms;
+        self.global_curr_center[0] = self.curr_pos.origin + self.curr_arms.center[0];
+        self.global_curr_center[1] = self.curr_pos.origin + self.curr_arms.center[1];
+    }
+
+    /// Whether candidate and accepted pose are equal within epsilon (1.3.3).
+    #[inline]
+    pub(crate) fn is_check_at_curr(&self) -> bool {
+        let close = |a: f32, b: f32| (a - b).abs() < EPSILON;
+        let (a, b) = (self.check_pos.origin, self.curr_pos.origin);
+        let (p, q) = (self.check_rotation, self.curr_rotation);
+        self.check_pos.cell == self.curr_pos.cell
+            && close(a.x, b.x)
+            && close(a.y, b.y)
+            && close(a.z, b.z)
+            && close(p.w, q.w)
+            && close(p.x, q.x)
+            && close(p.y, q.y)
+            && close(p.z, q.z)
     }
 
     #[inline]
     pub(crate) fn add_offset_to_check_pos(&mut self, v: Vec3) {
-        self.cell_array_valid = false;
-        self.shift_check(v);
-    }
-
-    #[inline]
-    fn shift_check(&mut self, v: Vec3) {
-        self.check_pos.frame.origin += v;
+        self.check_pos.origin += v;
         self.global_sphere[0].center += v;
         self.global_sphere[1].center += v;
         self.global_low_point += v;
@@ -214,7 +270,7 @@ impl<'w> SpherePath<'w> {
     #[inline]
     pub(crate) fn adjust_check_pos(&mut self, cell: CellId) {
         if !cell.is_indoor() && cell.block() != self.check_pos.cell.block() {
-            self.shift_check(block_offset(cell.block(), self.check_pos.cell.block()));
+            self.add_offset_to_check_pos(block_offset(cell.block(), self.check_pos.cell.block()));
         }
         self.check_pos.cell = cell;
     }
@@ -227,8 +283,7 @@ impl<'w> SpherePath<'w> {
 
     #[inline]
     pub(crate) fn restore_check_pos(&mut self) {
-        let pos = self.backup_check_pos;
-        self.set_check_pos(&pos, self.backup_cell);
+        self.set_check_pos(self.backup_check_pos, self.backup_cell);
     }
 
     #[inline]
@@ -261,22 +316,57 @@ impl<'w> SpherePath<'w> {
         self.block_offset_curr_check() + self.global_sphere[0].center - self.global_curr_center[0]
     }
 
-    /// Expresses the spheres in a frame, divided by its scale (retail `cache_localspace_sphere`).
+    /// Goes to the space of some geometry and expresses the foot sphere in it (retail
+    /// `cache_localspace_sphere`). What else is needed there is worked out when it is.
     #[inline]
     pub(crate) fn cache_localspace_sphere(&mut self, space: LocalSpace<'w>) {
-        let k = 1.0 / space.scale;
-        let check_offset = block_offset(space.cell.block(), self.check_pos.cell.block());
-        let curr_offset = block_offset(space.cell.block(), self.curr_pos.cell.block());
-        for i in 0..self.num_sphere {
-            let local = self.local_sphere[i];
-            let check = check_offset + self.check_pos.frame.local_to_global(local.center);
-            let curr = curr_offset + self.curr_pos.frame.local_to_global(local.center);
-            self.localspace_sphere[i].radius = k * local.radius;
-            self.localspace_sphere[i].center = k * space.frame.global_to_local(check);
-            self.localspace_curr_center[i] = k * space.frame.global_to_local(curr);
-        }
         self.localspace = space;
-        self.localspace_z = space.frame.global_to_local_vec(UP);
+        let [x, y, z] = space.frame.axes();
+        self.localspace_z = Vec3::new(x.z, y.z, z.z);
+        self.localspace_foot = self.localspace_check_sphere(0);
+    }
+
+    /// Sphere `i` of the candidate in the space of the geometry being tested, divided by its scale.
+    #[inline]
+    fn localspace_check_sphere(&self, i: usize) -> Sphere {
+        let center = self.to_localspace(self.check_pos, self.check_arms.center[i]);
+        let radius = self.local_sphere[i].radius;
+        let scale = self.localspace.scale;
+        Sphere::new(
+            center,
+            if scale == 1.0 {
+                radius
+            } else {
+                1.0 / scale * radius
+            },
+        )
+    }
+
+    /// The head sphere in the space of the geometry being tested.
+    #[inline]
+    pub(crate) fn localspace_head(&self) -> Sphere {
+        self.localspace_check_sphere(1)
+    }
+
+    /// The foot sphere's centre at the accepted pose, in the space of the geometry being tested.
+    #[inline]
+    pub(crate) fn localspace_curr_foot(&self) -> Vec3 {
+        self.to_localspace(self.curr_pos, self.curr_arms.center[0])
+    }
+
+    #[inline]
+    fn to_localspace(&self, pose: Pose, arm: Vec3) -> Vec3 {
+        let space = &self.localspace;
+        let mut p = pose.origin + arm;
+        if pose.cell.block() != space.cell.block() {
+            p += block_offset(space.cell.block(), pose.cell.block());
+        }
+        let local = space.frame.global_to_local(p);
+        if space.scale == 1.0 {
+            local
+        } else {
+            1.0 / space.scale * local
+        }
     }
 
     /// A direction of the geometry being tested, global.

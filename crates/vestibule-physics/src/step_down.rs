@@ -74,7 +74,7 @@ impl Transition<'_, '_> {
         self.path.add_offset_to_check_pos(Vec3::new(0.0, 0.0, -h));
         let ts = self.transitional_insert(1);
         self.path.check_walkable = false;
-        self.path.set_check_pos(&pos, cell);
+        self.path.set_check_pos(pos, cell);
         ts != TransitionState::Ok
     }
 

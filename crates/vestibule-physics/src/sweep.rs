@@ -2,17 +2,17 @@
 //! (`transition.md` 3.1).
 
 use glam::Vec3;
-use vestibule_world::{CellArray, CellEntry, CellId, Plane, Position, Sphere, World};
+use vestibule_world::{CellArray, CellEntry, CellId, Frame, Plane, Position, Sphere, World};
 
 use crate::collision_info::CollisionInfo;
 use crate::constants::{DUMMY_SPHERE_RADIUS, STEP_HEIGHT_WITHOUT_SETUP};
 use crate::error::SweepError;
 use crate::flags::{ObjectKind, ObjectState, PhysicsState};
-use crate::obj_collisions::ObjectRef;
-use crate::object_info::ObjectInfo;
-use crate::population::{BodyId, Population};
+use crate::obj_collisions::{ObjectRef, Target};
+use crate::object_info::{ObjectInfo, is_walkable_z};
+use crate::population::{BodyId, Event, Population};
 use crate::sphere_path::SpherePath;
-use crate::transition::{Transition, calc_num_steps, cell_ref};
+use crate::transition::{BuiltArray, InsertType, Transition, calc_num_steps, cell_ref};
 
 /// A plane a body is in contact with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,6 +174,7 @@ pub struct Touch {
 pub struct Scratch {
     pub(crate) cell_array: CellArray,
     pub(crate) touched: Vec<Touch>,
+    pub(crate) events: Vec<Event>,
 }
 
 impl Scratch {
@@ -182,6 +183,7 @@ impl Scratch {
         Scratch {
             cell_array: CellArray::new(),
             touched: Vec::with_capacity(16),
+            events: Vec::with_capacity(16),
         }
     }
 
@@ -193,6 +195,11 @@ impl Scratch {
     /// The objects the last sweep ran into, in order.
     pub fn touched(&self) -> &[Touch] {
         &self.touched
+    }
+
+    /// What happened to bodies during the last call of [`Population`] that moves them, in order.
+    pub fn events(&self) -> &[Event] {
+        &self.events
     }
 }
 
@@ -255,30 +262,32 @@ pub fn sweep(
     to: &Position,
 ) -> Result<Swept, SweepError> {
     check_input(mover, carried, from)?;
-    if !to.is_finite() {
+    if !is_finite(to) {
         return Err(SweepError::NotFinite {
             what: "target position",
         });
     }
-    let settings = *population.settings();
     let viewer = mover.state.has(ObjectState::IS_VIEWER);
-    let plan = calc_num_steps(from.offset_to(to), mover.spheres[0].radius, viewer);
-    if plan.steps > settings.max_steps {
+    let radius = mover.spheres[0].radius;
+    let plan = calc_num_steps(from.offset_to(to), radius, viewer, to.frame.rotation());
+    let limit = population.settings().max_steps;
+    if plan.steps > limit {
         return Err(SweepError::TooManySteps {
             steps: plan.steps,
-            limit: settings.max_steps,
+            limit,
         });
     }
-    if !plan.offset.is_finite() {
-        return Err(SweepError::NotFinite {
-            what: "length of the move",
-        });
-    }
-    let cell = cell_ref(world, from.cell);
-    let path = SpherePath::new(mover.spheres(), cell, Some(*from), *to);
-    let mut transition = begin(world, population, scratch, mover, carried, path);
+    let mut transition = begin(
+        world,
+        population,
+        scratch,
+        mover,
+        carried,
+        from,
+        InsertType::Transition,
+    );
     let ok = transition.find_valid_position(&plan);
-    transition.outcome(ok)
+    transition.outcome(ok, &to.frame)
 }
 
 /// Places `mover` at `at` without coming from anywhere, as after a teleport (`transition.md` 3.6): out of what
@@ -299,17 +308,50 @@ pub fn place(
 ) -> Result<Swept, SweepError> {
     let carried = Carried::default();
     check_input(mover, &carried, at)?;
-    let cell = cell_ref(world, at.cell);
-    let path = SpherePath::new(mover.spheres(), cell, None, *at);
-    let mut transition = begin(world, population, scratch, mover, &carried, path);
+    let mut transition = begin(
+        world,
+        population,
+        scratch,
+        mover,
+        &carried,
+        at,
+        InsertType::Placement,
+    );
     transition.path.placement_allows_sliding = slide;
     transition.cell_array.do_not_load_cells = do_not_load_cells;
-    let ok = transition.find_valid_position(&calc_num_steps(Vec3::ZERO, 1.0, false));
+    let plan = calc_num_steps(Vec3::ZERO, 1.0, false, at.frame.rotation());
+    let ok = transition.find_valid_position(&plan);
     transition.cell_array.do_not_load_cells = false;
-    transition.outcome(ok)
+    transition.outcome(ok, &at.frame)
 }
 
+/// Whether all numbers are finite: a number times zero is zero unless it is not.
+#[inline]
+fn is_finite(position: &Position) -> bool {
+    let (o, q) = (position.frame.origin, position.frame.rotation());
+    let sum = (o.x + o.y + o.z + q.x + q.y + q.z + q.w) * 0.0;
+    // Sums of finite numbers may overflow: only then look at each.
+    sum == 0.0 || position.is_finite()
+}
+
+#[inline]
 fn check_input(mover: &Mover, carried: &Carried, from: &Position) -> Result<(), SweepError> {
+    let plane = |c: &Option<ContactPlane>| {
+        c.as_ref().map_or(0.0, |c| {
+            c.plane.normal.x + c.plane.normal.y + c.plane.normal.z + c.plane.d
+        })
+    };
+    let sliding = carried.sliding_normal.map_or(0.0, |n| n.x + n.y + n.z);
+    let heights = mover.step_up_height + mover.step_down_height;
+    let sum = plane(&carried.contact) + plane(&carried.last_known) + sliding + heights;
+    if is_finite(from) && sum * 0.0 == 0.0 {
+        return Ok(());
+    }
+    find_bad_input(mover, carried, from)
+}
+
+#[cold]
+fn find_bad_input(mover: &Mover, carried: &Carried, from: &Position) -> Result<(), SweepError> {
     let contact =
         |c: &Option<ContactPlane>| c.is_none_or(|c| c.plane.normal.is_finite() && c.plane.d.is_finite());
     let what = if !from.is_finite() {
@@ -327,24 +369,26 @@ fn check_input(mover: &Mover, carried: &Carried, from: &Position) -> Result<(), 
 }
 
 /// A transition ready to run.
+#[inline(always)]
 pub(crate) fn begin<'w, 's>(
     world: &'w World,
     population: &'w Population,
     scratch: &'s mut Scratch,
     mover: &Mover,
     carried: &Carried,
-    path: SpherePath<'w>,
+    at: &Position,
+    insert_type: InsertType,
 ) -> Transition<'w, 's> {
     let mut object = mover.object_info();
     let mut info = CollisionInfo {
         frames_stationary_fall: carried.stationary,
         ..CollisionInfo::default()
     };
-    if let Some(c) = carried.contact {
+    if let Some(c) = &carried.contact {
         info.init_contact_plane(c.plane, c.is_water, c.cell);
         object.state.set(ObjectState::CONTACT, true);
         object.state.set(ObjectState::ON_WALKABLE, carried.on_walkable);
-    } else if let Some(c) = carried.last_known {
+    } else if let Some(c) = &carried.last_known {
         info.init_last_known_contact_plane(c.plane, c.is_water, c.cell);
     }
     if let Some(n) = carried.sliding_normal {
@@ -353,23 +397,37 @@ pub(crate) fn begin<'w, 's>(
     scratch.cell_array.clear();
     scratch.cell_array.do_not_load_cells = false;
     scratch.touched.clear();
+    let cell = cell_ref(world, at.cell);
     Transition {
         world,
         population,
-        settings: *population.settings(),
+        settings: population.settings(),
         object,
-        path,
+        path: SpherePath::new(usize::from(mover.count), &mover.spheres, cell, at, insert_type),
         info,
         cell_array: &mut scratch.cell_array,
+        built: BuiltArray::NONE,
         touched: &mut scratch.touched,
         depth: 0,
     }
 }
 
 impl Transition<'_, '_> {
-    pub(crate) fn outcome(&self, ok: bool) -> Result<Swept, SweepError> {
+    /// What comes back. `end` is the frame the mover was to end in, which mostly has the rotation it has.
+    #[inline]
+    pub(crate) fn outcome(&self, ok: bool, end: &Frame) -> Result<Swept, SweepError> {
         let (path, info) = (&self.path, &self.info);
-        if !path.curr_pos.is_finite() {
+        let pose = path.curr_pos;
+        let mut frame = *end;
+        frame.origin = pose.origin;
+        if path.curr_rotation != end.rotation() {
+            frame = Frame::new(pose.origin, path.curr_rotation);
+        }
+        let position = Position {
+            cell: pose.cell,
+            frame,
+        };
+        if !is_finite(&position) {
             return Err(SweepError::NotFinite {
                 what: "position reached",
             });
@@ -382,9 +440,9 @@ impl Transition<'_, '_> {
         Ok(Swept {
             ok,
             cell: path.curr_cell.map(|cell| cell.id()),
-            position: path.curr_pos,
+            position,
             contact,
-            on_walkable: contact.is_some_and(|c| crate::object_info::is_walkable_z(c.plane.normal.z)),
+            on_walkable: info.contact.valid && is_walkable_z(info.contact.plane.normal.z),
             collision_normal: info.collision.get(),
             sliding_normal: info.sliding.get(),
             collided_with_environment: info.collided_with_environment,
@@ -392,4 +450,25 @@ impl Transition<'_, '_> {
             velocity_killed: info.velocity_killed,
         })
     }
+}
+
+/// Whether `mover` at `at` overlaps an object (`transition.md` 3.7).
+pub(crate) fn overlaps<'w>(
+    world: &'w World,
+    population: &'w Population,
+    scratch: &mut Scratch,
+    mover: &Mover,
+    at: &Position,
+    target: &Target<'w>,
+) -> bool {
+    let mut transition = begin(
+        world,
+        population,
+        scratch,
+        mover,
+        &Carried::default(),
+        at,
+        InsertType::Placement,
+    );
+    transition.check_collisions(target)
 }

@@ -1,6 +1,6 @@
 //! One sweep (retail `CTransition`, `transition.md` 2.5, 3.3 to 3.5).
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use vestibule_world::ids::block_offset;
 use vestibule_world::{CellArray, CellId, World, find_cell_list};
 
@@ -37,16 +37,38 @@ pub(crate) enum InsertType {
     InitialPlacement,
 }
 
+/// What the cell array was built for, and what was found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BuiltArray {
+    seed: CellId,
+    centers: [Vec3; 2],
+    want_cell: bool,
+    containing: Option<CellId>,
+    hits_interior: bool,
+}
+
+impl BuiltArray {
+    /// Nothing has been built.
+    pub(crate) const NONE: BuiltArray = BuiltArray {
+        seed: CellId::NONE,
+        centers: [Vec3::NAN; 2],
+        want_cell: false,
+        containing: None,
+        hits_interior: false,
+    };
+}
+
 /// A sweep in progress. It reads the world and the population and writes only what it owns.
 pub(crate) struct Transition<'w, 's> {
     pub(crate) world: &'w World,
     pub(crate) population: &'w Population,
-    pub(crate) settings: Settings,
+    pub(crate) settings: &'w Settings,
     pub(crate) object: ObjectInfo,
     pub(crate) path: SpherePath<'w>,
     pub(crate) info: CollisionInfo,
     /// Shared by all nested insertions; the cell found is not (5.3).
     pub(crate) cell_array: &'s mut CellArray,
+    pub(crate) built: BuiltArray,
     pub(crate) touched: &'s mut Vec<Touch>,
     /// Nesting of `transitional_insert`.
     pub(crate) depth: u32,
@@ -59,47 +81,33 @@ pub(crate) struct StepPlan {
     /// Replaces `offset` in the last step of a viewer.
     pub(crate) last_offset: Option<Vec3>,
     pub(crate) steps: u32,
+    pub(crate) end_rotation: Quat,
 }
 
 /// Divides the move `d` of a mover with foot radius `r` into steps (3.4).
-pub(crate) fn calc_num_steps(d: Vec3, r: f32, viewer: bool) -> StepPlan {
+pub(crate) fn calc_num_steps(d: Vec3, r: f32, viewer: bool, end_rotation: Quat) -> StepPlan {
     let r = if r <= EPSILON { EPSILON } else { r };
     let l = length(d);
-    let ratio = l / r;
+    let plan = |offset, steps: f32, last_offset| StepPlan {
+        offset,
+        last_offset,
+        steps: steps as u32,
+        end_rotation,
+    };
     if viewer {
         if l <= EPSILON {
-            return StepPlan {
-                offset: Vec3::ZERO,
-                last_offset: None,
-                steps: 0,
-            };
+            return plan(Vec3::ZERO, 0.0, None);
         }
-        let n = ratio.floor() + 1.0;
+        let n = (l / r).floor() + 1.0;
         let last = d * (l - r * (n - 1.0)) / l;
-        StepPlan {
-            offset: d * (r / l),
-            last_offset: Some(last),
-            steps: n as u32,
-        }
-    } else if ratio > 1.0 {
-        let n = ratio.ceil();
-        StepPlan {
-            offset: Vec3::new(d.x / n, d.y / n, d.z / n),
-            last_offset: None,
-            steps: n as u32,
-        }
+        plan(d * (r / l), n, Some(last))
+    } else if l / r > 1.0 {
+        let n = (l / r).ceil();
+        plan(Vec3::new(d.x / n, d.y / n, d.z / n), n, None)
     } else if d != Vec3::ZERO {
-        StepPlan {
-            offset: d,
-            last_offset: None,
-            steps: 1,
-        }
+        plan(d, 1.0, None)
     } else {
-        StepPlan {
-            offset: Vec3::ZERO,
-            last_offset: None,
-            steps: 0,
-        }
+        plan(Vec3::ZERO, 0.0, None)
     }
 }
 
@@ -117,20 +125,34 @@ impl<'w> Transition<'w, '_> {
     }
 
     /// Rebuilds the cell array for the candidate; the cell that holds the foot sphere's centre if `want_cell`.
+    /// An array that was built for the same candidate is the same again.
     #[inline]
     pub(crate) fn build_cell_array(&mut self, want_cell: bool) -> Option<CellId> {
         let path = &mut self.path;
-        path.cell_array_valid = true;
-        let found = find_cell_list(
-            self.world,
-            path.check_pos.cell,
-            path.check_pos.frame.origin,
-            &path.global_sphere[..path.num_sphere],
-            self.cell_array,
-            want_cell,
-        );
-        path.hits_interior_cell = found.hits_interior;
-        found.containing
+        let [foot, head] = [path.global_sphere[0].center, path.global_sphere[1].center];
+        let built = &self.built;
+        let same = built.seed == path.check_pos.cell
+            && built.centers == [foot, head]
+            && (built.want_cell || !want_cell);
+        if !same {
+            let found = find_cell_list(
+                self.world,
+                path.check_pos.cell,
+                path.check_pos.origin,
+                &path.global_sphere[..path.num_sphere],
+                self.cell_array,
+                want_cell,
+            );
+            self.built = BuiltArray {
+                seed: path.check_pos.cell,
+                centers: [foot, head],
+                want_cell,
+                containing: found.containing,
+                hits_interior: found.hits_interior,
+            };
+        }
+        path.hits_interior_cell = self.built.hits_interior;
+        self.built.containing
     }
 
     /// Runs the sweep (3.3). `plan` comes from [`calc_num_steps`] and is not used by placements.
@@ -149,12 +171,9 @@ impl<'w> Transition<'w, '_> {
         }
         let viewer = self.object.is(ObjectState::IS_VIEWER);
         let free_rotate = self.object.is(ObjectState::FREE_ROTATE);
-        let (begin, end) = (
-            self.path.curr_pos.frame.rotation(),
-            self.path.end_pos.frame.rotation(),
-        );
+        let (begin, end) = (self.path.curr_rotation, plan.end_rotation);
         if free_rotate || plan.steps == 0 {
-            self.path.curr_pos.frame.set_rotation(end);
+            self.path.set_curr_rotation(end);
         }
         self.path.set_check_to_curr();
         if plan.steps == 0 {
@@ -173,10 +192,7 @@ impl<'w> Transition<'w, '_> {
             }
             if !free_rotate && begin != end {
                 let t = (i + 1) as f32 / plan.steps as f32;
-                self.path
-                    .check_pos
-                    .frame
-                    .set_rotation(interpolate_rotation(begin, end, t));
+                self.path.set_check_rotation(interpolate_rotation(begin, end, t));
             }
             self.info.sliding.valid = false;
             self.info.clear_contact_plane();
@@ -197,10 +213,11 @@ impl<'w> Transition<'w, '_> {
 /// The resident cell with this id.
 #[inline]
 pub(crate) fn cell_ref(world: &World, id: CellId) -> Option<CellRef<'_>> {
+    let block = world.block(id.block())?;
     if id.is_indoor() {
-        world.env_cell(id).map(CellRef::Env)
+        let cell = block.env_cell(id)?;
+        Some(CellRef::Env { cell, block })
     } else {
-        let block = world.block(id.block())?;
         let cell = block.land_cell(id)?;
         Some(CellRef::Land { id, cell, block })
     }
@@ -211,7 +228,7 @@ mod tests {
     use super::*;
 
     fn plan(l: f32, r: f32, viewer: bool) -> StepPlan {
-        calc_num_steps(Vec3::new(0.0, l, 0.0), r, viewer)
+        calc_num_steps(Vec3::new(0.0, l, 0.0), r, viewer, Quat::IDENTITY)
     }
 
     #[test]

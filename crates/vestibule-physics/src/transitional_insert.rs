@@ -2,7 +2,7 @@
 
 use crate::constants::{DEFAULT_STEP_HEIGHT, FLOOR_Z, MAX_INSERTION_DEPTH, Z_FOR_LANDING};
 use crate::flags::ObjectState;
-use crate::sphere_path::CellRef;
+use crate::sphere_path::{CellRef, Pose};
 use crate::transition::{InsertType, Transition, TransitionState};
 
 impl<'w> Transition<'w, '_> {
@@ -125,17 +125,15 @@ impl<'w> Transition<'w, '_> {
         // The candidate leaves the known world; an interior id passes as it is.
         let mut pos = self.path.check_pos;
         if !pos.cell.is_indoor() {
-            match pos.adjusted_to_outside() {
-                Some(outside) => pos = outside,
+            match pos.cell.adjust_to_outside(pos.origin) {
+                Some((cell, origin)) => pos = Pose { cell, origin },
                 None => return TransitionState::Collided,
             }
         }
         if pos.cell.is_none() {
             return TransitionState::Collided;
         }
-        self.path.adjust_check_pos(pos.cell);
-        self.path.set_check_pos(&pos, None);
-        self.path.cell_array_valid = true;
+        self.path.set_check_pos(pos, None);
         TransitionState::Ok
     }
 

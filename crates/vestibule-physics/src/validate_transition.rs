@@ -20,8 +20,8 @@ impl Transition<'_, '_> {
         match ts {
             TransitionState::Invalid => {}
             TransitionState::Ok => {
-                progress = !self.path.check_pos.same_as(&self.path.curr_pos);
-                self.accept_candidate();
+                progress = !self.path.is_check_at_curr();
+                self.path.accept();
                 self.path.set_check_to_curr();
             }
             TransitionState::Collided | TransitionState::Adjusted | TransitionState::Slid => {
@@ -56,14 +56,6 @@ impl Transition<'_, '_> {
         self.object.state.set(ObjectState::CONTACT, contact.valid);
         self.object.state.set(ObjectState::ON_WALKABLE, walkable);
         ts
-    }
-
-    /// The candidate becomes the current pose.
-    #[inline]
-    pub(crate) fn accept_candidate(&mut self) {
-        self.path.curr_pos = self.path.check_pos;
-        self.path.curr_cell = self.path.check_cell;
-        self.path.cache_global_curr_center();
     }
 
     /// Whether the last accepted foot sphere still touches the last known plane.

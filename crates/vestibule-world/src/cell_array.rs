@@ -83,6 +83,13 @@ impl CellArray {
         }
     }
 
+    /// Clears the array and lists one cell.
+    #[inline]
+    pub(crate) fn start(&mut self, id: CellId, resident: bool) {
+        self.clear();
+        self.entries.push(CellEntry { id, resident });
+    }
+
     /// Removes entry `index`; the **last** entry takes its place (retail `remove_cell`).
     pub fn remove(&mut self, index: usize) {
         if index < self.entries.len() {

@@ -10,6 +10,7 @@ use crate::geometry::{BoundingBox, Plane};
 use crate::ids::CellId;
 use crate::physics_bsp::PhysicsBsp;
 use crate::polygon::PolygonSet;
+use crate::transit_hints::TransitHints;
 
 /// The geometry of a room in its own frame: one per record, shared by every env cell that places it.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,6 +80,8 @@ pub struct EnvCell {
     pub restriction: Option<u32>,
     /// The cell's static objects: a range of its landblock's [`crate::Landblock::statics`].
     pub statics: core::ops::Range<u32>,
+    /// What spares most look-ups their exact tests; empty hints are fine.
+    pub hints: TransitHints,
 }
 
 impl EnvCell {

@@ -1,10 +1,11 @@
 //! `find_cell_list` (`world.md` 13): which cells spheres touch, and which cell holds the first centre.
 
 use crate::cell_array::CellArray;
+use crate::env_cell::EnvCell;
 use crate::geometry::{CylSphere, Sphere};
 use crate::ids::{CellId, block_offset};
 use crate::position::Position;
-use crate::transit::{add_all_outside_cells, find_transit_cells};
+use crate::transit::{add_all_outside_cells, find_transit_cells, from_env_cell};
 use crate::world::World;
 
 /// At most this many cylinders of an object are looked at (`world.md` 13, overloads).
@@ -39,6 +40,11 @@ pub fn find_cell_list(
     array: &mut CellArray,
     want_cell: bool,
 ) -> CellList {
+    if let Some(cell) = world.env_cell(seed)
+        && !spheres.is_empty()
+    {
+        return from_resident_env_cell(world, cell, origin, spheres, array, want_cell);
+    }
     array.clear();
     let mut list = CellList::default();
     let visible = world.is_resident(seed);
@@ -63,6 +69,46 @@ pub fn find_cell_list(
         }
     }
     if array.do_not_load_cells && seed.is_indoor() && visible {
+        prune_to_stab_list(world, seed, array);
+    }
+    list
+}
+
+/// The usual case indoors: the seed is resident. The order of the work is that of [`find_cell_list`].
+#[inline]
+fn from_resident_env_cell(
+    world: &World,
+    cell: &EnvCell,
+    origin: glam::Vec3,
+    spheres: &[Sphere],
+    array: &mut CellArray,
+    want_cell: bool,
+) -> CellList {
+    let seed = cell.id;
+    array.start(seed, true);
+    from_env_cell(world, cell, seed, origin, spheres, array);
+    let mut i = 1;
+    while let Some(entry) = array.get(i) {
+        if entry.resident {
+            find_transit_cells(world, entry.id, seed, origin, spheres, array);
+        }
+        i += 1;
+    }
+    let mut list = CellList {
+        containing: None,
+        hits_interior: true,
+    };
+    if want_cell {
+        let certain = spheres
+            .first()
+            .is_some_and(|s| cell.hints.certainly_contains(s.center));
+        list.containing = if certain {
+            Some(seed)
+        } else {
+            containing_cell(world, seed, spheres, array)
+        };
+    }
+    if array.do_not_load_cells {
         prune_to_stab_list(world, seed, array);
     }
     list

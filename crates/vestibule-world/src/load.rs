@@ -14,6 +14,7 @@ use crate::region::Region;
 use crate::shape::{Building, BuildingPortal, StaticObject};
 use crate::source::Store;
 use crate::terrain::{TerrainWord, block_water, build_land_cells};
+use crate::transit_hints::{TransitHints, set_hints};
 use crate::world::World;
 
 /// Loads a landblock; `None` when it has no LandBlock record and no env cells.
@@ -33,7 +34,7 @@ pub(crate) fn landblock(world: &World, id: BlockId) -> Option<Landblock> {
         .unwrap_or_default();
     let mut statics = info.as_ref().map(|i| loader.land_statics(i)).unwrap_or_default();
     let land_statics = statics.len() as u32;
-    let env_cells: Box<[_]> = match &info {
+    let mut env_cells: Box<[_]> = match &info {
         Some(info) => loader.env_cells(info, &mut statics),
         None => [].into(),
     };
@@ -51,6 +52,7 @@ pub(crate) fn landblock(world: &World, id: BlockId) -> Option<Landblock> {
     if land.is_none() && env_cells.is_empty() {
         return None;
     }
+    set_hints(&mut env_cells);
     let block = Landblock {
         id,
         land,
@@ -280,6 +282,7 @@ impl Loader<'_> {
             seen_outside: record.seen_outside(),
             restriction: record.restriction,
             statics: first..statics.len() as u32,
+            hints: TransitHints::default(),
         })
     }
 

@@ -36,7 +36,7 @@ pub fn find_transit_cells(
 
 /// From an env cell through its portals (`world.md` 10.1).
 #[inline]
-fn from_env_cell(
+pub(crate) fn from_env_cell(
     world: &World,
     cell: &EnvCell,
     seed: CellId,
@@ -45,7 +45,13 @@ fn from_env_cell(
     array: &mut CellArray,
 ) {
     let mut check_outside = false;
-    for portal in &cell.portals {
+    for (index, portal) in cell.portals.iter().enumerate() {
+        if spheres
+            .iter()
+            .all(|s| cell.hints.certainly_away(index, s.center, s.radius))
+        {
+            continue;
+        }
         let dist = |s: &Sphere| portal.plane.dist(cell.frame.global_to_local(s.center));
         match portal.other {
             PortalTarget::Outside => {
@@ -82,6 +88,9 @@ fn from_env_cell(
 
 #[inline]
 fn meets(cell: &EnvCell, center: Vec3, radius: f32) -> bool {
+    if cell.hints.certainly_outside(center, radius) {
+        return false;
+    }
     let local = Sphere::new(cell.frame.global_to_local(center), radius);
     cell.structure.cell_bsp.meets_sphere(&local)
 }

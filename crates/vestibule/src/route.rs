@@ -149,8 +149,8 @@ fn through(walker: &mut Walker<'_>, from: &Footing, opening: &Opening, inward: b
     let front = front_of(walker, opening, if inward { 1.2 } else { -1.2 });
     let mut start = *from;
     let mut way = Way::new();
-    let mut target = walker.point(&from.at);
-    if !from.at.cell.is_indoor() && front.distance(target.truncate()) > 3.0 {
+    let here = walker.point(&from.at).truncate();
+    if !from.at.cell.is_indoor() && front.distance(here) > 3.0 {
         let near = |_: &Footing, p: Vec3| front.distance(p.truncate()) <= 1.5 * COARSE;
         let (first, end) = search(walker, from, front, COARSE, &|cell| !cell.is_indoor(), &near)?;
         way.extend(first);
@@ -160,12 +160,9 @@ fn through(walker: &mut Walker<'_>, from: &Footing, opening: &Opening, inward: b
             return Some(way);
         }
     }
-    target.z = 0.0;
     let middle = middle_of(walker, opening);
     let started_in = start.at.cell;
-    let allowed = |cell: CellId| {
-        cell == own || arrived(cell) || cell == started_in || (!cell.is_indoor() && !started_in.is_indoor())
-    };
+    let allowed = |cell: CellId| cell == own || arrived(cell) || same_side(cell, started_in);
     let goal = |footing: &Footing, _: Vec3| arrived(footing.at.cell);
     let (rest, _) = search(walker, &start, middle, FINE, &allowed, &goal)?;
     way.extend(rest);
@@ -193,34 +190,45 @@ fn straight_through(
     if opening.is_flat() {
         return None;
     }
-    for before in ANCHORS {
-        let sign = if inward { 1.0 } else { -1.0 };
-        let first = front_of(walker, opening, sign * before);
-        let Some(at_first) = walker.straight(from, first) else { continue };
+    let before = |cell: CellId| same_side(from.at.cell, cell);
+    let both = |cell: CellId| before(cell) || arrived(cell);
+    let sign = if inward { 1.0 } else { -1.0 };
+    // Straight through the middle, from as far before as there is room.
+    for distance in ANCHORS {
+        let first = front_of(walker, opening, sign * distance);
+        let Some(at_first) = walker.straight(from, first, &before) else { continue };
         for behind in ANCHORS {
             let second = front_of(walker, opening, -sign * behind);
-            if let Some(at_second) = walker.straight(&at_first, second) {
-                if arrived(at_second.at.cell) {
-                    return Some(vec![first, second]);
-                }
+            if walker.straight(&at_first, second, &both).is_some_and(|end| arrived(end.at.cell)) {
+                return Some(vec![first, second]);
             }
+        }
+    }
+    // From where the player is, as out of a cell that is only as deep as a wall.
+    for behind in ANCHORS {
+        let second = front_of(walker, opening, -sign * behind);
+        if walker.straight(from, second, &both).is_some_and(|end| arrived(end.at.cell)) {
+            return Some(vec![second]);
         }
     }
     None
 }
 
+/// Whether going from one cell to the other needs no opening.
+fn same_side(a: CellId, b: CellId) -> bool {
+    a == b || !a.is_indoor() && !b.is_indoor()
+}
+
 /// A way over the ground of one cell, or over land, to a point: straight, else along the lattice.
 pub fn to_point(walker: &mut Walker<'_>, from: &Footing, to: Vec2) -> Option<Way> {
-    if let Some(end) = walker.straight(from, to) {
-        if end.at.cell == from.at.cell || !end.at.cell.is_indoor() && !from.at.cell.is_indoor() {
-            return Some(vec![to]);
-        }
-    }
     let cell = from.at.cell;
-    let (grid, allowed): (f32, &dyn Fn(CellId) -> bool) =
-        if cell.is_indoor() { (FINE, &|c| c == cell) } else { (COARSE, &|c: CellId| !c.is_indoor()) };
+    let allowed = |other: CellId| same_side(cell, other);
+    if walker.straight(from, to, &allowed).is_some() {
+        return Some(vec![to]);
+    }
+    let grid = if cell.is_indoor() { FINE } else { COARSE };
     let near = |_: &Footing, p: Vec3| to.distance(p.truncate()) <= grid;
-    search(walker, from, to, grid, allowed, &near).map(|(way, _)| way)
+    search(walker, from, to, grid, &allowed, &near).map(|(way, _)| way)
 }
 
 /// A lattice point that has been reached.
@@ -255,7 +263,7 @@ fn search(
         let cost = nodes.get(index)?.cost;
         let here = walker.point(&footing.at);
         if goal(&footing, here) {
-            return Some((cut_corners(walker, &nodes, index), footing));
+            return Some((cut_corners(walker, &nodes, index, allowed), footing));
         }
         if nodes.len() > MAX_NODES {
             return None;
@@ -263,10 +271,7 @@ fn search(
         let (ix, iy, ..) = key(here, footing.at.cell);
         for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)] {
             let next = Vec2::new((ix + dx) as f32, (iy + dy) as f32) * grid;
-            let Some(reached) = walker.straight(&footing, next) else { continue };
-            if !allowed(reached.at.cell) {
-                continue;
-            }
+            let Some(reached) = walker.straight(&footing, next, allowed) else { continue };
             let there = walker.point(&reached.at);
             let length = cost + here.distance(there);
             let key = key(there, reached.at.cell);
@@ -283,7 +288,7 @@ fn search(
 }
 
 /// The points from the start to node `end`, less those that a straight walk can leave out.
-fn cut_corners(walker: &mut Walker<'_>, nodes: &[Node], end: usize) -> Way {
+fn cut_corners(walker: &mut Walker<'_>, nodes: &[Node], end: usize, allowed: &dyn Fn(CellId) -> bool) -> Way {
     let mut chain = vec![end];
     let mut at = end;
     while let Some(node) = nodes.get(at).filter(|_| at != 0) {
@@ -300,7 +305,7 @@ fn cut_corners(walker: &mut Walker<'_>, nodes: &[Node], end: usize) -> Way {
         for far in (i + 2..footings.len().min(i + 32)).rev() {
             let (Some(a), Some(b)) = (footings.get(i), footings.get(far)) else { break };
             let to = walker.point(&b.at);
-            let reached = walker.straight(a, to.truncate());
+            let reached = walker.straight(a, to.truncate(), allowed);
             if reached.is_some_and(|r| r.at.cell == b.at.cell && (walker.point(&r.at).z - to.z).abs() < 0.3) {
                 j = far;
                 break;

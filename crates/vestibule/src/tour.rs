@@ -18,6 +18,12 @@ use crate::walker::{Footing, TICK, Walker};
 pub const STEP: f32 = 0.05;
 /// Ticks without progress after which a way is given up.
 const STUCK_TICKS: u32 = 15;
+/// Ticks that a fall may take.
+const FALL_TICKS: u32 = 450;
+/// Speed of a jump off an edge, m/s: upwards, and over the ground.
+const JUMP: (f32, f32) = (2.0, 2.5);
+/// Steps taken beyond the end of a way that has not yet led into its cell.
+const OVERSHOOT_STEPS: u32 = 8;
 /// How near a point of the route counts as there, metres.
 const NEAR: f32 = 0.04;
 
@@ -113,8 +119,12 @@ pub struct TourSummary {
     pub env_cells_connected: usize,
     /// Land cells entered.
     pub land_cells: usize,
-    /// Changes of cell.
+    /// Changes of cell, teleports left out.
     pub transitions: usize,
+    /// Drops taken: openings that lead down and not up again.
+    pub falls: usize,
+    /// Times the player was put back to where a drop or a way without return began.
+    pub teleports: usize,
     /// Of these, through openings.
     pub through_portals: usize,
     /// Doorways stood in.
@@ -160,11 +170,15 @@ pub struct Tour<'w, 'o> {
     on_change: &'o mut dyn FnMut(&Change),
     on_step: &'o mut dyn FnMut(usize),
     footing: Footing,
+    /// Where the player last was before it entered a building.
+    outside: Footing,
     trail: Vec<TrailStep>,
     summary: TourSummary,
     entered: BTreeSet<CellId>,
     stood_in: BTreeSet<(CellId, CellId)>,
     done: BTreeSet<PortalId>,
+    visited: BTreeSet<CellId>,
+    drops: Vec<(Footing, Opening)>,
 }
 
 impl<'w, 'o> Tour<'w, 'o> {
@@ -193,11 +207,14 @@ impl<'w, 'o> Tour<'w, 'o> {
             on_change,
             on_step,
             footing,
+            outside: footing,
             trail: Vec::new(),
             summary: TourSummary { start: short(&footing.at), ..TourSummary::default() },
             entered: BTreeSet::new(),
             stood_in: BTreeSet::new(),
             done: BTreeSet::new(),
+            visited: BTreeSet::new(),
+            drops: Vec::new(),
         };
         tour.record(false);
         if footing.at.cell.is_indoor() {
@@ -230,6 +247,7 @@ impl<'w, 'o> Tour<'w, 'o> {
                 continue;
             }
             self.done.insert(opening.id);
+            self.outside = self.footing;
             let way = route::in_through(&mut self.walker, &self.footing, &opening);
             let passed = way.is_some_and(|way| self.follow(&way, |cell| cell == opening.id.cell));
             if !passed {
@@ -237,21 +255,45 @@ impl<'w, 'o> Tour<'w, 'o> {
                 self.summary.unreached_entrances.push(unpassed);
                 continue;
             }
+            let outside = self.outside;
             self.visit(opening.id.cell);
             let back = route::out_through(&mut self.walker, &self.footing, &opening);
             if !back.is_some_and(|way| self.follow(&way, |cell| !cell.is_indoor())) {
-                self.end(format!("no way back out of {}", opening.id.cell));
+                self.teleport(outside);
             }
         }
     }
 
-    /// Goes through every opening of a cell and of what is behind it, and comes back into the cell.
+    /// Goes through every opening of a cell and of what is behind it, and comes back into the cell; then down the drops
+    /// that were passed by.
     fn visit(&mut self, cell: CellId) {
+        self.visit_on_foot(cell);
+        while let Some((footing, opening)) = self.drops.pop() {
+            if self.summary.ended_early.is_some() {
+                return;
+            }
+            let PortalTarget::Cell(below) = opening.to else { continue };
+            if self.visited.contains(&below) {
+                continue;
+            }
+            self.teleport(footing);
+            if self.drop_through(&opening) {
+                self.summary.falls += 1;
+                self.visit_on_foot(self.footing.at.cell);
+            } else {
+                let unpassed = self.unpassed(&opening);
+                self.summary.not_passed.push(unpassed);
+            }
+        }
+    }
+
+    fn visit_on_foot(&mut self, cell: CellId) {
         struct Level {
             openings: Vec<Opening>,
-            way_in: Option<Opening>,
+            /// The opening by which the cell was entered, and where the player stood before it.
+            way_in: Option<(Opening, Footing)>,
         }
-        let mut visited = BTreeSet::from([cell]);
+        self.visited.insert(cell);
         let mut levels = vec![Level { openings: self.openings_of(cell), way_in: None }];
         self.to_the_middle(cell);
         while self.summary.ended_early.is_none() {
@@ -259,8 +301,8 @@ impl<'w, 'o> Tour<'w, 'o> {
             let Some(opening) = level.openings.pop() else {
                 // Everything here is done: back through the opening by which the cell was entered.
                 let way_in = levels.pop().and_then(|level| level.way_in);
-                if let Some(opening) = way_in {
-                    self.back_through(&opening);
+                if let Some((opening, before)) = way_in {
+                    self.back_through(&opening, before);
                 }
                 continue;
             };
@@ -269,25 +311,87 @@ impl<'w, 'o> Tour<'w, 'o> {
             }
             self.done.insert(opening.id);
             self.done.extend(opening.opposite);
-            let way = route::out_through(&mut self.walker, &self.footing, &opening);
+            let before = self.footing;
+            let way = route::out_through(&mut self.walker, &before, &opening);
             let to = opening.to;
             let arrived = move |cell: CellId| match to {
                 PortalTarget::Outside => !cell.is_indoor(),
                 PortalTarget::Cell(other) => cell == other,
             };
             if !way.is_some_and(|way| self.follow(&way, arrived)) {
-                self.return_to(opening.id.cell);
-                let unpassed = self.unpassed(&opening);
-                self.summary.not_passed.push(unpassed);
+                if self.footing.at.cell != before.at.cell {
+                    self.teleport(before);
+                }
+                match opening.to {
+                    PortalTarget::Cell(other) if !self.visited.contains(&other) => {
+                        self.drops.push((before, opening));
+                    }
+                    _ => {
+                        let unpassed = self.unpassed(&opening);
+                        self.summary.not_passed.push(unpassed);
+                    }
+                }
                 continue;
             }
             match opening.to {
-                PortalTarget::Cell(other) if visited.insert(other) => {
+                PortalTarget::Cell(other) if self.visited.insert(other) => {
                     self.to_the_middle(other);
-                    levels.push(Level { openings: self.openings_of(other), way_in: Some(opening) });
+                    let way_in = Some((opening, before));
+                    levels.push(Level { openings: self.openings_of(other), way_in });
                 }
-                _ => self.back_through(&opening),
+                _ => self.back_through(&opening, before),
             }
+        }
+    }
+
+    /// Over an edge: walks towards the middle of an opening, jumps where the ground ends, and falls. Says whether the
+    /// player came to rest in another cell.
+    fn drop_through(&mut self, opening: &Opening) -> bool {
+        let from = self.footing.at.cell;
+        let mut stuck = 0;
+        let mut jumped = 0;
+        let offset = self.walker.local(opening.id.cell.block(), Vec3::ZERO);
+        let middle = (opening.middle - offset).truncate();
+        let mut heading = Vec2::ZERO;
+        for _ in 0..FALL_TICKS {
+            let here = self.walker.point(&self.footing.at).truncate();
+            let left = middle - here;
+            if left.length() > 2.0 * STEP {
+                heading = left.normalize_or_zero();
+            }
+            let standing = self.footing.is_standing();
+            if standing && self.footing.at.cell != from {
+                return true;
+            }
+            let pace = if standing { STEP } else { JUMP.1 * TICK };
+            // Over a hole in the floor straight down; through an upright opening on and on.
+            let onward = !opening.is_flat() || left.length() > 2.0 * STEP;
+            if !self.tick(if onward { heading * pace } else { Vec2::ZERO }) {
+                return false;
+            }
+            let moved = self.walker.point(&self.footing.at).truncate().distance(here);
+            stuck = if standing && moved < 0.2 * STEP { stuck + 1 } else { 0 };
+            if stuck >= 5 {
+                jumped += 1;
+                stuck = 0;
+                if jumped > 3 {
+                    return false;
+                }
+                self.footing = self.walker.jump(&self.footing, JUMP.0);
+            }
+        }
+        self.footing.is_standing() && self.footing.at.cell != from
+    }
+
+    /// Puts the player back to where it has been.
+    fn teleport(&mut self, to: Footing) {
+        let before = self.footing;
+        self.footing = to;
+        self.summary.teleports += 1;
+        self.record(false);
+        if before.at.cell != to.at.cell {
+            let change = self.change(&before, "teleport".to_owned(), false, false);
+            (self.on_change)(&change);
         }
     }
 
@@ -300,33 +404,13 @@ impl<'w, 'o> Tour<'w, 'o> {
         out
     }
 
-    /// Back into the cell that the opening belongs to.
-    fn back_through(&mut self, opening: &Opening) {
+    /// Back into the cell that the opening belongs to; put back to `before` where there is no way.
+    fn back_through(&mut self, opening: &Opening, before: Footing) {
         let own = opening.id.cell;
         let way = route::in_through(&mut self.walker, &self.footing, opening);
-        if !way.is_some_and(|way| self.follow(&way, |cell| cell == own)) {
-            self.end(format!("no way back through portal {} of {own}", opening.id.portal));
+        if !way.is_some_and(|way| self.follow(&way, |cell| cell == own)) && self.summary.ended_early.is_none() {
+            self.teleport(before);
         }
-    }
-
-    /// After a way that failed half-way: into the cell it began in, if the player has left it.
-    fn return_to(&mut self, cell: CellId) {
-        if self.footing.at.cell == cell {
-            return;
-        }
-        let here = self.footing.at.cell;
-        let ways: Vec<Opening> = route::openings(self.walker.world(), cell);
-        let leads_here = |o: &&Opening| match o.to {
-            PortalTarget::Cell(other) => other == here,
-            PortalTarget::Outside => !here.is_indoor(),
-        };
-        for opening in ways.iter().filter(leads_here) {
-            let way = route::in_through(&mut self.walker, &self.footing, opening);
-            if way.is_some_and(|way| self.follow(&way, |c| c == cell)) {
-                return;
-            }
-        }
-        self.end(format!("no way back into {cell}"));
     }
 
     /// Some steps into a cell, towards the middle of its floor, if nothing is in the way.
@@ -344,14 +428,14 @@ impl<'w, 'o> Tour<'w, 'o> {
         if here.distance(middle.truncate()) < 0.5 {
             return;
         }
-        let fits = self.walker.straight(&self.footing, middle.truncate());
-        if fits.is_some_and(|end| end.at.cell == id) {
+        if self.walker.straight(&self.footing, middle.truncate(), &|cell| cell == id).is_some() {
             self.follow(&[middle.truncate()], |cell| cell == id);
         }
     }
 
     /// Walks a way in steps. Says whether it ended in a cell that `arrived` accepts.
     fn follow(&mut self, way: &[Vec2], arrived: impl Fn(CellId) -> bool) -> bool {
+        let mut heading = Vec2::ZERO;
         for &point in way {
             let mut stuck = 0;
             loop {
@@ -368,6 +452,16 @@ impl<'w, 'o> Tour<'w, 'o> {
                 if stuck >= STUCK_TICKS {
                     return false;
                 }
+                heading = left.normalize_or_zero();
+            }
+        }
+        // The way may end on the very edge of the cell it leads to.
+        for _ in 0..OVERSHOOT_STEPS {
+            if arrived(self.footing.at.cell) {
+                return true;
+            }
+            if !self.tick(heading * STEP) {
+                return false;
             }
         }
         arrived(self.footing.at.cell)
@@ -383,7 +477,7 @@ impl<'w, 'o> Tour<'w, 'o> {
         if from != to {
             let portal = self.changed(&before, false);
             let pair = if from < to { (from, to) } else { (to, from) };
-            if portal && self.stood_in.insert(pair) {
+            if portal && self.footing.is_standing() && self.stood_in.insert(pair) {
                 self.stand();
             }
         }
@@ -420,17 +514,21 @@ impl<'w, 'o> Tour<'w, 'o> {
         });
         self.summary.transitions += 1;
         self.summary.through_portals += usize::from(portal);
-        let change = Change {
+        let change = self.change(before, by, portal, standing);
+        (self.on_change)(&change);
+        portal
+    }
+
+    fn change(&self, before: &Footing, by: String, portal: bool, standing: bool) -> Change {
+        Change {
             t: self.time(),
             position: short(&self.footing.at),
-            from: from.to_string(),
-            to: to.to_string(),
+            from: before.at.cell.to_string(),
+            to: self.footing.at.cell.to_string(),
             by,
             portal,
             standing,
-        };
-        (self.on_change)(&change);
-        portal
+        }
     }
 
     fn time(&self) -> f32 {
@@ -566,6 +664,9 @@ fn before_an_entrance(walker: &mut Walker<'_>, block: BlockId) -> Option<Footing
                 let land = CellId::new(block, 0xFFFF);
                 let Some(ground) = walker.world().ground_at(land, at.extend(0.0)) else { continue };
                 let place = Position::new(ground.cell, ground.point.truncate().extend(ground.z + 0.01));
+                if is_inside_a_room(walker.world(), &place) {
+                    continue;
+                }
                 let Some(footing) = walker.put(&place).filter(|f| !f.at.cell.is_indoor()) else { continue };
                 if route::in_through(walker, &footing, &opening).is_some() {
                     return Some(footing);
@@ -574,6 +675,13 @@ fn before_an_entrance(walker: &mut Walker<'_>, block: BlockId) -> Option<Footing
         }
     }
     None
+}
+
+/// Whether an outdoor place lies within the walls of a building, where nobody can walk to.
+fn is_inside_a_room(world: &World, place: &Position) -> bool {
+    let center = place.origin() + Vec3::new(0.0, 0.0, crate::locate::PLAYER_SPHERE_CENTERS[0]);
+    let block = world.block(place.cell.block());
+    block.is_some_and(|block| block.env_cells().any(|cell| cell.contains_point(center)))
 }
 
 /// A place in the first env cell of a landblock that one can stand in.

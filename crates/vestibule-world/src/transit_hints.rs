@@ -1,0 +1,192 @@
+//! Cheap tests, worked out when a landblock is loaded, that answer most cell look-ups without the exact ones
+//! (`world.md` 10.1, 13). They only ever say "certainly": the answer of the exact test is never changed.
+
+use glam::Vec3;
+
+use crate::constants::{CELL_BSP_SPHERE_FUDGE, EPSILON};
+use crate::env_cell::{CellPortal, EnvCell, PortalTarget};
+use crate::frame::Frame;
+use crate::geometry::{BoundingBox, Plane};
+
+/// How far a hint stays away from the exact answer, metres: many times the rounding of coordinates up to
+/// [`MAX_COORDINATE`].
+const SLACK: f32 = 0.02;
+/// Beyond this, f32 is too coarse for the slack, metres.
+const MAX_COORDINATE: f32 = 4096.0;
+
+/// Hints of an env cell, in the frame of its landblock.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct TransitHints {
+    core: Option<BoundingBox>,
+    /// For each portal, a plane behind which spheres do not touch what it leads to.
+    away: Box<[Plane]>,
+    /// The planes of the cell BSP.
+    planes: Box<[Plane]>,
+}
+
+impl TransitHints {
+    /// Whether `q` is certainly inside the cell.
+    #[inline]
+    pub(crate) fn certainly_contains(&self, q: Vec3) -> bool {
+        match &self.core {
+            Some(BoundingBox { min, max }) => {
+                q.x > min.x && q.x < max.x && q.y > min.y && q.y < max.y && q.z > min.z && q.z < max.z
+            }
+            None => false,
+        }
+    }
+
+    /// Whether a sphere is certainly out of reach of portal `index` and what it leads to.
+    #[inline]
+    pub(crate) fn certainly_away(&self, index: usize, center: Vec3, radius: f32) -> bool {
+        match self.away.get(index) {
+            Some(plane) => plane.dist(center) < -(radius + (CELL_BSP_SPHERE_FUDGE + SLACK)),
+            None => false,
+        }
+    }
+
+    /// Whether a sphere certainly does not touch the cell.
+    #[inline]
+    pub(crate) fn certainly_outside(&self, center: Vec3, radius: f32) -> bool {
+        let reach = -(radius + (CELL_BSP_SPHERE_FUDGE + SLACK));
+        self.planes.iter().any(|plane| plane.dist(center) < reach)
+    }
+}
+
+/// A plane of a cell in the frame of its landblock; without effect when it cannot be trusted.
+fn in_landblock(frame: &Frame, plane: &Plane) -> Plane {
+    let normal = frame.local_to_global_vec(plane.normal);
+    let d = plane.d - normal.dot(frame.origin);
+    let length = normal.dot(normal);
+    let sound = (length - 1.0).abs() < 1e-3 && d.abs() < 2.0 * MAX_COORDINATE;
+    if sound { Plane { normal, d } } else { NO_HINT }
+}
+
+/// A plane that no sphere is behind.
+const NO_HINT: Plane = Plane {
+    normal: Vec3::ZERO,
+    d: f32::INFINITY,
+};
+
+/// Whether a cell lies where hints can be trusted.
+fn is_near(cell: &EnvCell) -> bool {
+    let box_ = cell
+        .structure
+        .bounds
+        .map(|b| b.mapped(|p| cell.frame.local_to_global(p)));
+    box_.is_some_and(|b| {
+        b.min.abs().max_element() < MAX_COORDINATE && b.max.abs().max_element() < MAX_COORDINATE
+    })
+}
+
+/// Works out the hints of all env cells of a landblock.
+pub(crate) fn set_hints(cells: &mut [Option<EnvCell>]) {
+    let hints: Vec<Option<TransitHints>> = cells
+        .iter()
+        .map(|cell| cell.as_ref().map(|cell| hints_of(cell, cells)))
+        .collect();
+    for (cell, hints) in cells.iter_mut().zip(hints) {
+        if let (Some(cell), Some(hints)) = (cell, hints) {
+            cell.hints = hints;
+        }
+    }
+}
+
+fn hints_of(cell: &EnvCell, cells: &[Option<EnvCell>]) -> TransitHints {
+    if !is_near(cell) {
+        return TransitHints::default();
+    }
+    TransitHints {
+        core: core_of(cell),
+        away: cell
+            .portals
+            .iter()
+            .map(|portal| away_from(cell, portal, cells))
+            .collect(),
+        planes: global_planes(cell),
+    }
+}
+
+fn global_planes(cell: &EnvCell) -> Box<[Plane]> {
+    let planes = cell.structure.cell_bsp.planes();
+    planes
+        .iter()
+        .map(|plane| in_landblock(&cell.frame, plane))
+        .filter(|p| *p != NO_HINT)
+        .collect()
+}
+
+/// A box inside which a point is certainly in the cell.
+fn core_of(cell: &EnvCell) -> Option<BoundingBox> {
+    if cell.portals.is_empty() {
+        return None;
+    }
+    let bounds = cell.structure.bounds?.mapped(|p| cell.frame.local_to_global(p));
+    let (center, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
+    let inside = |b: &BoundingBox| {
+        b.corners().iter().all(|&c| {
+            let local = cell.frame.global_to_local(c);
+            cell.structure
+                .cell_bsp
+                .planes()
+                .iter()
+                .all(|plane| plane.dist(local) > SLACK + EPSILON)
+        })
+    };
+    let shrunk = |by: Vec3| BoundingBox {
+        min: center - by,
+        max: center + by,
+    };
+    let margin = Vec3::splat(SLACK * 2.0);
+    let candidates = [
+        half - margin,
+        half * 0.9,
+        half * 0.8,
+        half * 0.7,
+        half * 0.6,
+        half * 0.5,
+    ];
+    candidates
+        .into_iter()
+        .filter(|by| by.min_element() > 0.0)
+        .map(shrunk)
+        .find(inside)
+}
+
+/// The plane that best keeps the cell apart from what a portal leads to: it points to the far side.
+fn away_from(cell: &EnvCell, portal: &CellPortal, cells: &[Option<EnvCell>]) -> Plane {
+    let own = if portal.interior_is_negative {
+        portal.plane
+    } else {
+        Plane {
+            normal: -portal.plane.normal,
+            d: -portal.plane.d,
+        }
+    };
+    let neighbour = match portal.other {
+        PortalTarget::Outside => None,
+        PortalTarget::Cell(id) if id.block() != cell.id.block() => return NO_HINT,
+        PortalTarget::Cell(id) => cells
+            .get(usize::from(id.low()).wrapping_sub(0x100))
+            .and_then(Option::as_ref),
+    };
+    let Some(neighbour) = neighbour else {
+        return in_landblock(&cell.frame, &own);
+    };
+    if !is_near(neighbour) {
+        return NO_HINT;
+    }
+    let Some(bounds) = cell.structure.bounds else {
+        return NO_HINT;
+    };
+    let center = cell.frame.local_to_global((bounds.min + bounds.max) * 0.5);
+    let mut best = NO_HINT;
+    let mut least = f32::INFINITY;
+    for plane in global_planes(neighbour) {
+        let dist = plane.dist(center);
+        if dist < least {
+            (best, least) = (plane, dist);
+        }
+    }
+    best
+}
