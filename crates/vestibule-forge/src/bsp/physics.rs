@@ -225,12 +225,11 @@ impl Builder {
         if let Some(BspNode::Leaf {
             physics: Some(leaf), ..
         }) = self.nodes.get_mut(leaf)
+            && let (true, true, Some(&id)) = (leaf.solid != 0, leaf.polys.is_empty(), sibling.first())
         {
-            if let (true, true, Some(&id)) = (leaf.solid != 0, leaf.polys.is_empty(), sibling.first()) {
-                leaf.polys.push(id);
-                let points = self.pieces[usize::from(id)].polygon.points.iter().copied();
-                leaf.sphere = bounding_sphere(points);
-            }
+            leaf.polys.push(id);
+            let points = self.pieces[usize::from(id)].polygon.points.iter().copied();
+            leaf.sphere = bounding_sphere(points);
         }
     }
 }

@@ -227,18 +227,18 @@ impl SiteCells {
             messages.error(link.span, message, self.gap_help(from, to, &link.opening));
             return;
         }
-        if let Opening::Polygon(wanted) = &link.opening {
-            if opened < 0.999 * wanted.area() {
-                let message = format!(
-                    "only {:.0} % of this opening lies in a wall that `{}` and `{}` share",
-                    100.0 * opened / wanted.area(),
-                    link.from.text,
-                    link.to.text
-                );
-                let help = "shrink it, or leave the shape out to open all that the rooms share";
-                messages.error(link.span, message, help);
-                return;
-            }
+        if let Opening::Polygon(wanted) = &link.opening
+            && opened < 0.999 * wanted.area()
+        {
+            let message = format!(
+                "only {:.0} % of this opening lies in a wall that `{}` and `{}` share",
+                100.0 * opened / wanted.area(),
+                link.from.text,
+                link.to.text
+            );
+            let help = "shrink it, or leave the shape out to open all that the rooms share";
+            messages.error(link.span, message, help);
+            return;
         }
         for (a, b, polygon) in found {
             self.connect(link.span, a, b, polygon);
@@ -256,10 +256,10 @@ impl SiteCells {
                         let slid = g.points.iter().map(|p| *p - f.plane.normal * gap).rev().collect();
                         let over = Polygon::new(slid).and_then(|slid| f.intersection(&slid));
                         let parallel = f.plane.normal.dot(g.plane.normal) < -0.999_99;
-                        if let (true, Some(over)) = (parallel, over) {
-                            if best.is_none_or(|(g, _)| gap.abs() < g.abs()) {
-                                best = Some((gap, over.center()));
-                            }
+                        if let (true, Some(over)) = (parallel, over)
+                            && best.is_none_or(|(g, _)| gap.abs() < g.abs())
+                        {
+                            best = Some((gap, over.center()));
                         }
                     }
                 }

@@ -113,11 +113,14 @@ fn shade(t: &Tables, pattern: Pattern, (u, v): (f64, f64), seed: u32) -> (f64, f
     }
 }
 
+/// For each pixel the share of the second colour and the brightness.
+type Shades = Vec<(f64, f64)>;
+
 /// Draws textures. What a pattern looks like is computed once; materials only colour it.
 #[derive(Default)]
 pub(crate) struct Painter {
     /// Pattern and seed with, for each pixel, the share of the second colour and the brightness.
-    drawn: Vec<(Pattern, u32, Vec<(f64, f64)>)>,
+    drawn: Vec<(Pattern, u32, Shades)>,
 }
 
 impl Painter {

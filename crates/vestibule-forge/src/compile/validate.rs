@@ -128,12 +128,12 @@ fn statics(site: &PlacedSite<'_>, messages: &mut Messages) {
     for object in &site.def.statics {
         let p = object.place.resolve(|_| 0.0).origin;
         let room = object.room.as_ref();
-        if let Some(name) = room {
-            if !site.def.rooms.iter().any(|r| r.name.text == name.text) {
-                let message = format!("`{}` has no room `{}`", site.def.name.text, name.text);
-                messages.error(name.span, message, "name the room in which the object stands");
-                continue;
-            }
+        if let Some(name) = room
+            && !site.def.rooms.iter().any(|r| r.name.text == name.text)
+        {
+            let message = format!("`{}` has no room `{}`", site.def.name.text, name.text);
+            messages.error(name.span, message, "name the room in which the object stands");
+            continue;
         }
         let Some(cell) = site.cell_of(room.map(|r| r.text.as_str()), p) else {
             let message = format!("`{}` has no rooms for this object", site.def.name.text);

@@ -59,13 +59,13 @@ impl Reader<'_> {
             true => Kind::Building,
             false => Kind::Dungeon(BlockId(args.hex("its landblock, as 0x0107,", self.messages)?)),
         };
-        if let Kind::Dungeon(block) = kind {
-            if !block.is_on_map() {
-                let message = format!("landblock {block} is not on the map");
-                self.messages
-                    .error(args.keyword_span(), message, "use 0x0000 to 0xFEFE");
-                return Err(Skip);
-            }
+        if let Kind::Dungeon(block) = kind
+            && !block.is_on_map()
+        {
+            let message = format!("landblock {block} is not on the map");
+            self.messages
+                .error(args.keyword_span(), message, "use 0x0000 to 0xFEFE");
+            return Err(Skip);
         }
         let place = if args.more() {
             self.place(&mut args)?
