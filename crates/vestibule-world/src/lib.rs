@@ -43,6 +43,7 @@ pub mod ids;
 mod landblock;
 mod load;
 pub mod lscape;
+mod open_box;
 mod physics_bsp;
 mod polygon;
 mod position;

@@ -162,6 +162,9 @@ impl SiteCells {
             messages.error(link.span, "this opening leads from a room to itself", "name two rooms");
             return;
         }
+        if self.of_room(from).next().is_none() || self.of_room(to).next().is_none() {
+            return; // What is wrong with that room has been said.
+        }
         let mut found = Vec::new();
         for a in self.of_room(from) {
             for b in self.of_room(to) {

@@ -2,12 +2,10 @@
 
 use glam::DVec3;
 
-use crate::geometry::{Face, ON_PLANE, Plane, Polygon, Polytope, Side, merge_convex};
+pub(crate) use crate::geometry::CUT;
+use crate::geometry::{Face, ON_PLANE, Polygon, Polytope, carve, merge_convex};
 use crate::scene::{Paint, SolidDef};
 use crate::text::{Messages, Span, Word};
-
-/// Tag of faces made by cutting, which have no material of their own.
-pub(crate) const CUT: u32 = u32::MAX;
 
 /// A solid's convex parts, each face tagged with its material. `room`: the faces are seen from inside.
 pub(crate) fn painted(solid: &SolidDef, paint: &Paint, room: bool) -> Vec<Polytope> {
@@ -53,7 +51,7 @@ pub(crate) fn cells_of(name: &Word, solids: &[SolidDef], paint: &Paint, messages
         })
         .collect();
     if !soup.is_empty() && is_closed(name, &soup, messages) {
-        carve(&soup).into_iter().for_each(&mut add);
+        carve_room(&soup).into_iter().for_each(&mut add);
     }
     merge_convex(cells)
 }
@@ -151,51 +149,14 @@ pub(crate) fn written(p: DVec3) -> String {
     format!("({} {} {})", round(p.x), round(p.y), round(p.z))
 }
 
-/// The inside of a closed set of polygons as convex solids.
-fn carve(soup: &[Wall]) -> Vec<Polytope> {
-    let planes: Vec<(Plane, u32)> = soup.iter().map(|w| (w.polygon.plane.flipped(), w.material)).collect();
-    let inside = |w: &Wall, p: &Plane| matches!(w.polygon.side(p), Side::Front | Side::On);
-    if soup.iter().all(|w| soup.iter().all(|other| inside(other, &w.polygon.plane))) {
-        return Polytope::from_planes(&planes).into_iter().collect();
-    }
-    let bounds = soup.iter().flat_map(|w| w.polygon.points.iter()).fold(
-        (DVec3::INFINITY, DVec3::NEG_INFINITY),
-        |(low, high), p| (low.min(*p), high.max(*p)),
-    );
-    let Some(space) = Polytope::cuboid(bounds.0 - 1.0, bounds.1 + 1.0) else { return Vec::new() };
-    let mut out = Vec::new();
-    let polygons = soup.iter().map(|w| w.polygon.clone()).collect();
-    carve_into(space, polygons, false, &mut out, 0);
+/// The inside of closed walls as convex solids, faces tagged with materials.
+fn carve_room(soup: &[Wall]) -> Vec<Polytope> {
+    let polygons: Vec<Polygon> = soup.iter().map(|w| w.polygon.clone()).collect();
+    let mut out = carve(&polygons);
     for face in out.iter_mut().flat_map(|p| &mut p.faces) {
         face.tag = wall_behind(face, soup);
     }
     out
-}
-
-fn carve_into(space: Polytope, polygons: Vec<Polygon>, inside: bool, out: &mut Vec<Polytope>, depth: usize) {
-    let all: Vec<&Polygon> = polygons.iter().collect();
-    let splitter = crate::bsp::best_splitter(polygons.iter().map(|p| &p.plane), &all, &[]);
-    let Some(plane) = splitter.filter(|_| depth < 512) else {
-        if inside {
-            out.push(space);
-        }
-        return;
-    };
-    let (mut front, mut back) = (Vec::new(), Vec::new());
-    for polygon in polygons {
-        if polygon.side(&plane) != Side::On {
-            let parts = polygon.split(&plane);
-            front.extend(parts.0);
-            back.extend(parts.1);
-        }
-    }
-    let (near, far) = space.split(&plane, CUT);
-    if let Some(near) = near {
-        carve_into(near, front, true, out, depth + 1);
-    }
-    if let Some(far) = far {
-        carve_into(far, back, false, out, depth + 1);
-    }
 }
 
 /// The material of the wall that a face of a carved cell lies on, if it lies on one.

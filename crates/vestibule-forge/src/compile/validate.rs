@@ -19,8 +19,12 @@ const EXIT_REACH: f64 = 0.55;
 
 pub(crate) fn check(scene: &Scene, land: &Land, sites: &[PlacedSite<'_>], messages: &mut Messages) {
     overlaps(sites, messages);
+    // What lacks openings or stands wrong because of an error needs no second message.
+    let complete = !messages.has_errors();
     for (k, site) in sites.iter().enumerate() {
-        portals(site, messages);
+        if complete {
+            portals(site, messages);
+        }
         statics(site, messages);
         if site.def.kind == Kind::Building {
             footprint(site, messages);
@@ -61,7 +65,7 @@ fn overlaps(sites: &[PlacedSite<'_>], messages: &mut Messages) {
                     continue;
                 }
                 let shared = space.shrunk(OVERLAP / 2.0).and_then(|s| s.intersection(&there.shrunk(OVERLAP / 2.0)?));
-                if let Some(shared) = shared {
+                if let Some(shared) = shared.and_then(|_| space.intersection(there)) {
                     let here = site.place.to_inner(shared.center());
                     let message = format!(
                         "`{}.{}` and `{}.{}` overlap",

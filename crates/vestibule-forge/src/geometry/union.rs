@@ -1,6 +1,6 @@
 //! Unions of convex solids.
 
-use super::{Face, Plane, Polygon, Polytope, Side};
+use super::{CUT, Face, Plane, Polygon, Polytope, Side};
 
 /// A solid of any form: convex parts whose union it is. They may overlap.
 pub type Solid = Vec<Polytope>;
@@ -69,11 +69,8 @@ pub(crate) fn inside(polygon: &Polygon, solid: &Polytope) -> Option<Polygon> {
     })
 }
 
-/// Tag of faces that were made by cutting and may be joined with any other.
-const CUT: u32 = u32::MAX;
-
 /// Joins parts that touch in a whole face and together are convex. Faces in one plane must have the same tag, or
-/// the tag `u32::MAX` (made by cutting).
+/// the tag [`CUT`].
 pub fn merge_convex(mut parts: Vec<Polytope>) -> Vec<Polytope> {
     'again: loop {
         for i in 0..parts.len() {

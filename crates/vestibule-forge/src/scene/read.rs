@@ -226,10 +226,11 @@ impl Reader<'_> {
             collide: Collide::Polygons,
             lights: Vec::new(),
         };
+        let mut complete = true;
         for s in s.block.iter().flatten() {
-            let _ = self.model_statement(s, &mut model);
+            complete &= self.model_statement(s, &mut model).is_ok();
         }
-        if model.solids.is_empty() {
+        if model.solids.is_empty() && complete {
             let message = format!("model `{}` has no shape", model.name.text);
             self.messages.error(model.name.span, message, "add a box, prism, hull, column, cone or ball to it");
             return None;
@@ -384,7 +385,7 @@ impl Paint {
 }
 
 impl SolidDef {
-    pub(super) fn new(span: crate::text::Span) -> Self {
-        SolidDef { span, parts: Vec::new(), polygons: Vec::new(), all: None, top: None }
+    pub(super) fn new() -> Self {
+        SolidDef { parts: Vec::new(), polygons: Vec::new(), all: None, top: None }
     }
 }

@@ -212,10 +212,11 @@ impl Reader<'_> {
     }
 
     fn room_body(&mut self, s: &Statement, mut body: RoomBody, name: &Word) -> RoomBody {
+        let mut complete = true;
         for s in s.block.iter().flatten() {
-            let _ = self.room_statement(s, &mut body);
+            complete &= self.room_statement(s, &mut body).is_ok();
         }
-        if body.solids.is_empty() {
+        if body.solids.is_empty() && complete {
             let message = format!("room `{}` has no shape", name.text);
             self.messages.error(name.span, message, "add a box, prism, hull, ramp or polygons to it");
         }
@@ -302,7 +303,7 @@ impl Reader<'_> {
         let across = DVec3::new(axis.y.abs() * size.x, axis.x.abs() * size.y, 0.0);
         let point = |along: f64, z: f64| foot + axis * along + DVec3::Z * z;
         let solid = |part: Option<Polytope>| {
-            part.map(|part| SolidDef { parts: vec![part], all, ..SolidDef::new(s.keyword.span) })
+            part.map(|part| SolidDef { parts: vec![part], all, ..SolidDef::new() })
         };
         let step = |k: usize| {
             let (from, to) = (k as f64 * run, (k + 1) as f64 * run);

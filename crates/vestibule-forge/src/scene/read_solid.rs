@@ -26,7 +26,7 @@ impl Reader<'_> {
             _ => return Ok(None),
         };
         let mut args = Args::new(s, usage);
-        let mut solid = SolidDef::new(s.keyword.span);
+        let mut solid = SolidDef::new();
         self.solid_shape(s, &mut args, &mut solid)?;
         while let Some(word) = args.any_word() {
             if word.text == "top" {

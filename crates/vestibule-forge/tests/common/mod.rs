@@ -39,7 +39,7 @@ impl<'w> Walker<'w> {
         self.carried.contact.is_some() && self.carried.on_walkable
     }
 
-    fn step(&mut self, offset: Vec2) {
+    pub fn step(&mut self, offset: Vec2) {
         let mut wanted = offset.extend(0.0);
         if self.standing() {
             self.fall = 0.0;
