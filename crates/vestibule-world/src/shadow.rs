@@ -2,7 +2,7 @@
 
 use crate::cell_array::CellArray;
 use crate::find_cell_list::find_cell_list_of_cylspheres;
-use crate::ids::CellId;
+use crate::ids::{BlockId, CellId};
 use crate::landblock::{LAND_CELLS, Landblock};
 use crate::position::Position;
 use crate::shape::{StaticObject, StaticRef};
@@ -29,35 +29,30 @@ impl ShadowLists {
         }
     }
 
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.starts) + size_of_val(&*self.refs)
+    }
+
     /// Builds the lists of `block` from its own statics and those of the blocks around it.
     pub(crate) fn build(world: &World, block: &Landblock) -> Self {
         let cells = LAND_CELLS + block.env_cells.len();
         let mut found: Vec<(usize, StaticRef)> = Vec::new();
-        let mut array = CellArray::new();
         for dx in -1..=1 {
             for dy in -1..=1 {
                 let Some(id) = block.id.neighbour(dx, dy) else {
                     continue;
                 };
-                let Some(near) = (if id == block.id {
-                    Some(block)
+                let (near, own) = if id == block.id {
+                    (Some(block), true)
                 } else {
-                    world.block(id)
-                }) else {
-                    continue;
+                    (world.block(id), false)
                 };
-                for (index, object) in near.statics.iter().enumerate() {
-                    calc_cross_cells_static(world, object, &mut array);
-                    for entry in array.entries().iter().filter(|e| e.id.block() == block.id) {
-                        if let Some(slot) = slot(entry.id).filter(|&s| s < cells) {
-                            found.push((
-                                slot,
-                                StaticRef {
-                                    block: id,
-                                    index: index as u32,
-                                },
-                            ));
-                        }
+                let Some(near) = near else { continue };
+                let reach = near.reach(world);
+                let entries = if own { &reach.own } else { &reach.foreign };
+                for &(cell, index) in entries.iter().filter(|(cell, _)| cell.block() == block.id) {
+                    if let Some(slot) = slot(cell).filter(|&s| s < cells) {
+                        found.push((slot, StaticRef { block: id, index }));
                     }
                 }
             }
@@ -77,6 +72,50 @@ impl ShadowLists {
             starts: starts.into(),
             refs: found.into_iter().map(|(_, r)| r).collect(),
         }
+    }
+}
+
+/// The cells that the static objects of one landblock occupy, with the position of the object, object by object.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Reach {
+    /// Cells of the landblock itself.
+    own: Box<[(CellId, u32)]>,
+    /// Cells of other landblocks.
+    foreign: Box<[(CellId, u32)]>,
+}
+
+impl Reach {
+    /// Works out the cells of every static object whose own cell is resident (`world.md` H2, H4).
+    pub(crate) fn build(world: &World, block: &Landblock) -> Self {
+        let mut array = CellArray::new();
+        let (mut own, mut foreign) = (Vec::new(), Vec::new());
+        for (index, object) in (0u32..).zip(&block.statics) {
+            if !world.is_resident(object.cell) {
+                continue;
+            }
+            calc_cross_cells_static(world, object, &mut array);
+            for entry in array.entries() {
+                let list = if entry.id.block() == block.id {
+                    &mut own
+                } else {
+                    &mut foreign
+                };
+                list.push((entry.id, index));
+            }
+        }
+        Reach {
+            own: own.into(),
+            foreign: foreign.into(),
+        }
+    }
+
+    /// Whether an object reaches, or would reach, a cell of another landblock.
+    pub(crate) fn touches(&self, block: BlockId) -> bool {
+        self.foreign.iter().any(|(cell, _)| cell.block() == block)
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.own) + size_of_val(&*self.foreign)
     }
 }
 
