@@ -135,10 +135,16 @@ impl Land {
                 }
             }
             TerrainOp::Road(points, span) => {
-                for pair in points.windows(2) {
-                    let steps = (pair[0].distance(pair[1]) / 2.0).ceil().clamp(1.0, 10_000.0);
+                // From vertex to vertex, along sides and diagonals of the grid.
+                let vertices: Vec<DVec2> = points
+                    .iter()
+                    .map(|p| ((*p - self.base) / SQUARE).round())
+                    .collect();
+                for pair in vertices.windows(2) {
+                    let steps = (pair[1] - pair[0]).abs().max_element().clamp(1.0, 10_000.0);
                     for i in 0..=steps as u32 {
-                        match self.nearest(pair[0].lerp(pair[1], f64::from(i) / steps)) {
+                        let at = pair[0].lerp(pair[1], f64::from(i) / steps).round();
+                        match self.at(at.x as i32, at.y as i32) {
                             Some(k) => self.roads[k] = true,
                             None => messages.warning(
                                 *span,
