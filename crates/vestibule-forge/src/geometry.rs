@@ -15,8 +15,8 @@ pub use outline::convex_parts;
 pub use plane::{Plane, Side};
 pub use polygon::Polygon;
 pub use polytope::{Face, Polytope};
-pub(crate) use union::{inside, uncovered};
 pub use union::{Solid, merge_convex, union_faces};
+pub(crate) use union::{inside, uncovered};
 
 /// Points nearer to a plane than this lie on it, metres. Half of retail's epsilon, so that what is built here is
 /// never finer than what the engine can tell apart.

@@ -10,7 +10,10 @@ struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 33) as f64) / (1u64 << 31) as f64
     }
 
@@ -19,7 +22,11 @@ impl Random {
     }
 
     fn point(&mut self, reach: f64) -> DVec3 {
-        DVec3::new(self.between(-reach, reach), self.between(-reach, reach), self.between(-reach, reach))
+        DVec3::new(
+            self.between(-reach, reach),
+            self.between(-reach, reach),
+            self.between(-reach, reach),
+        )
     }
 
     fn turn(&mut self) -> DQuat {
@@ -44,19 +51,28 @@ fn surface(random: &mut Random, kind: usize) -> Vec<Polygon> {
             let corners = 5 + (random.next() * 6.0) as usize;
             let outline: Vec<DVec2> = (0..corners)
                 .map(|k| {
-                    let angle = (k as f64 + random.between(-0.3, 0.3)) / corners as f64 * core::f64::consts::TAU;
+                    let angle =
+                        (k as f64 + random.between(-0.3, 0.3)) / corners as f64 * core::f64::consts::TAU;
                     DVec2::new(libm::cos(angle), libm::sin(angle)) * random.between(1.5, 6.0)
                 })
                 .collect();
             let height = random.between(2.0, 5.0);
             let lift = |p: &DVec2| [p.extend(0.0), p.extend(height)];
             let part = |part: &Vec<DVec2>| Polytope::hull(&part.iter().flat_map(lift).collect::<Vec<_>>());
-            convex_parts(&outline).unwrap_or_default().iter().filter_map(part).collect()
+            convex_parts(&outline)
+                .unwrap_or_default()
+                .iter()
+                .filter_map(part)
+                .collect()
         }
         _ => (0..3)
             .filter_map(|_| {
                 let low = random.point(2.0);
-                let size = DVec3::new(random.between(1.0, 6.0), random.between(1.0, 6.0), random.between(2.0, 4.0));
+                let size = DVec3::new(
+                    random.between(1.0, 6.0),
+                    random.between(1.0, 6.0),
+                    random.between(2.0, 4.0),
+                );
                 Polytope::cuboid(low, low + size)
             })
             .collect(),
@@ -77,7 +93,10 @@ fn inside(polygons: &[Polygon], p: DVec3, ray: DVec3) -> Option<bool> {
         let t = -dist / speed;
         if t > 0.0 {
             let hit = p + ray * t;
-            let margin = polygon.edge_planes().map(|e| e.dist(hit)).fold(f64::INFINITY, f64::min);
+            let margin = polygon
+                .edge_planes()
+                .map(|e| e.dist(hit))
+                .fold(f64::INFINITY, f64::min);
             if margin.abs() < 1.0e-6 {
                 return None;
             }
@@ -137,17 +156,28 @@ fn walk(tree: &BspTree, at: u32, center: Vec3, radius: f32, out: &mut Vec<u16>) 
         s.center.distance_squared(center) - reach * reach >= 0.0002
     };
     match &tree.nodes[at as usize] {
-        BspNode::Leaf { physics: Some(leaf), .. } => {
+        BspNode::Leaf {
+            physics: Some(leaf), ..
+        } => {
             if !leaf.polys.is_empty() && !prune(&leaf.sphere) {
                 out.extend(&leaf.polys);
             }
         }
-        BspNode::Inner { plane, pos, neg, sphere, .. } => {
+        BspNode::Inner {
+            plane,
+            pos,
+            neg,
+            sphere,
+            ..
+        } => {
             if sphere.as_ref().is_some_and(prune) {
                 return;
             }
             let (s, reach) = (plane.normal.dot(center) + plane.d, radius - 0.0002);
-            for child in [pos.filter(|_| s > -reach), neg.filter(|_| s < reach)].into_iter().flatten() {
+            for child in [pos.filter(|_| s > -reach), neg.filter(|_| s < reach)]
+                .into_iter()
+                .flatten()
+            {
                 walk(tree, child, center, radius, out);
             }
         }
@@ -160,9 +190,15 @@ fn point_in_solid(tree: &BspTree, p: Vec3) -> (bool, bool) {
     let mut at = 0u32;
     loop {
         match &tree.nodes[at as usize] {
-            BspNode::Leaf { physics: Some(leaf), .. } => return (!leaf.polys.is_empty(), leaf.solid != 0),
+            BspNode::Leaf {
+                physics: Some(leaf), ..
+            } => return (!leaf.polys.is_empty(), leaf.solid != 0),
             BspNode::Inner { plane, pos, neg, .. } => {
-                let side = if plane.normal.dot(p) + plane.d >= 0.0 { pos } else { neg };
+                let side = if plane.normal.dot(p) + plane.d >= 0.0 {
+                    pos
+                } else {
+                    neg
+                };
                 at = side.unwrap_or_else(|| panic!("no child"));
             }
             other => panic!("a physics tree with {other:?}"),
@@ -179,19 +215,26 @@ fn g14_the_cells_of_1000_random_rooms_hold_exactly_the_points_inside() {
         let walls: Vec<Polygon> = outwards.iter().map(Polygon::flipped).collect();
         let cells = merge_convex(carve(&walls));
         cells_made += cells.len();
-        let trees: Vec<_> =
-            cells.iter().map(|c| vestibule_world::compile::cell_bsp(&cell_bsp(&inward_planes(c)))).collect();
+        let trees: Vec<_> = cells
+            .iter()
+            .map(|c| vestibule_world::compile::cell_bsp(&cell_bsp(&inward_planes(c))))
+            .collect();
         for _ in 0..60 {
             let p = random.point(8.0);
             let ray = random.point(1.0).normalize();
-            let Some(expected) = inside(&outwards, p, ray) else { continue };
+            let Some(expected) = inside(&outwards, p, ray) else {
+                continue;
+            };
             let found = trees.iter().any(|t| t.contains_point(p.as_vec3()));
             assert_eq!(found, expected, "room {kind} at {p}");
             tested += 1;
         }
     }
     assert!(tested > 40_000, "{tested}");
-    assert!(cells_made < 6_000, "rooms are cut into too many cells: {cells_made}");
+    assert!(
+        cells_made < 6_000,
+        "rooms are cut into too many cells: {cells_made}"
+    );
 }
 
 #[test]
@@ -201,7 +244,10 @@ fn physics_trees_of_1000_random_objects_find_what_brute_force_finds() {
     for kind in 0..1000 {
         let polygons = surface(&mut random, kind);
         let built = physics_bsp(&polygons, &[], &[]).unwrap_or_else(|e| panic!("{e}"));
-        assert!((pieces_area(&built.pieces) / area(&polygons) - 1.0).abs() < 1.0e-3, "object {kind} lost area");
+        assert!(
+            (pieces_area(&built.pieces) / area(&polygons) - 1.0).abs() < 1.0e-3,
+            "object {kind} lost area"
+        );
         for _ in 0..40 {
             let (center, radius) = (random.point(8.0), random.between(0.1, 1.5));
             let mut found = Vec::new();
@@ -209,13 +255,22 @@ fn physics_trees_of_1000_random_objects_find_what_brute_force_finds() {
             for (id, piece) in built.pieces.iter().enumerate() {
                 // A tenth of a millimetre is what splitting may leave on the other side of a plane.
                 if hits_sphere(&piece.polygon, center, radius - 1.0e-3) {
-                    assert!(found.contains(&(id as u16)), "object {kind}: piece {id} at {center} r {radius}");
+                    assert!(
+                        found.contains(&(id as u16)),
+                        "object {kind}: piece {id} at {center} r {radius}"
+                    );
                     hits += 1;
                 }
             }
             let whole = polygons.iter().any(|p| hits_sphere(p, center, radius - 2.0e-3));
-            let parts = built.pieces.iter().any(|p| hits_sphere(&p.polygon, center, radius));
-            assert!(!whole || parts, "object {kind}: a hit was lost by splitting at {center}");
+            let parts = built
+                .pieces
+                .iter()
+                .any(|p| hits_sphere(&p.polygon, center, radius));
+            assert!(
+                !whole || parts,
+                "object {kind}: a hit was lost by splitting at {center}"
+            );
         }
     }
     assert!(hits > 5_000, "{hits}");
@@ -230,7 +285,9 @@ fn g9_solid_leaves_of_1000_random_objects_are_their_insides() {
         let built = physics_bsp(&polygons, &[], &[]).unwrap_or_else(|e| panic!("{e}"));
         for _ in 0..40 {
             let p = random.point(7.0);
-            let Some(expected) = inside(&polygons, p, random.point(1.0).normalize()) else { continue };
+            let Some(expected) = inside(&polygons, p, random.point(1.0).normalize()) else {
+                continue;
+            };
             let (has_polygons, solid) = point_in_solid(&built.tree, p.as_vec3());
             assert_eq!(has_polygons, expected, "object {kind} at {p}");
             assert_eq!(solid, expected, "object {kind} at {p}");
@@ -244,10 +301,19 @@ fn g9_solid_leaves_of_1000_random_objects_are_their_insides() {
 fn physics_trees_of_cells_leave_what_is_behind_the_walls_open() {
     let mut random = Random(4);
     for kind in 0..300 {
-        for cell in merge_convex(carve(&surface(&mut random, kind).iter().map(Polygon::flipped).collect::<Vec<_>>())) {
+        for cell in merge_convex(carve(
+            &surface(&mut random, kind)
+                .iter()
+                .map(Polygon::flipped)
+                .collect::<Vec<_>>(),
+        )) {
             let walls: Vec<Polygon> = cell.faces.iter().map(|f| f.polygon.flipped()).collect();
             let built = physics_bsp(&walls, &[], &inward_planes(&cell)).unwrap_or_else(|e| panic!("{e}"));
-            assert_eq!(built.pieces.len(), walls.len(), "walls of a convex cell are never cut");
+            assert_eq!(
+                built.pieces.len(),
+                walls.len(),
+                "walls of a convex cell are never cut"
+            );
             let solid = |n: &BspNode| matches!(n, BspNode::Leaf { physics: Some(l), .. } if l.solid != 0);
             assert!(!built.tree.nodes.iter().any(solid));
         }
@@ -264,8 +330,14 @@ fn check_drawing(tree: &BspTree, at: u32, pieces: &[Piece], seen: &mut Vec<u16>,
     seen.extend(node.polys());
     for id in node.polys() {
         let polygon = &pieces[usize::from(*id)].polygon;
-        let off = polygon.points.iter().map(|p| (plane.normal.dot(p.as_vec3()) + plane.d).abs());
-        assert!(off.fold(0.0, f32::max) < 2.0e-4, "a polygon of a node lies in its plane");
+        let off = polygon
+            .points
+            .iter()
+            .map(|p| (plane.normal.dot(p.as_vec3()) + plane.d).abs());
+        assert!(
+            off.fold(0.0, f32::max) < 2.0e-4,
+            "a polygon of a node lies in its plane"
+        );
     }
     let (pos, neg) = node.children();
     for (child, sign) in [(pos, 1.0f32), (neg, -1.0)] {
@@ -275,7 +347,10 @@ fn check_drawing(tree: &BspTree, at: u32, pieces: &[Piece], seen: &mut Vec<u16>,
         for id in &seen[first..] {
             for p in &pieces[usize::from(*id)].polygon.points {
                 let dist = plane.normal.dot(p.as_vec3()) + plane.d;
-                assert!(sign * dist > -2.0e-4, "polygon {id} lies on the wrong side of a node");
+                assert!(
+                    sign * dist > -2.0e-4,
+                    "polygon {id} lies on the wrong side of a node"
+                );
             }
         }
     }
@@ -300,13 +375,24 @@ fn drawing_trees_of_300_random_shells_keep_area_and_every_portal() {
         }
         polygons.retain(|p| !portals.contains(p));
         let built = drawing_bsp(&polygons, &portals).unwrap_or_else(|e| panic!("{e}"));
-        assert!((pieces_area(&built.pieces) / area(&polygons) - 1.0).abs() < 1.0e-3, "shell {kind} lost area");
+        assert!(
+            (pieces_area(&built.pieces) / area(&polygons) - 1.0).abs() < 1.0e-3,
+            "shell {kind} lost area"
+        );
         let (mut seen, mut found) = (Vec::new(), Vec::new());
         check_drawing(&built.tree, 0, &built.pieces, &mut seen, &mut found);
         seen.sort_unstable();
         found.sort_unstable();
-        assert_eq!(seen, (0..built.pieces.len() as u16).collect::<Vec<_>>(), "each piece once");
-        assert_eq!(found, (0..portals.len() as u16).collect::<Vec<_>>(), "g12: a bijection onto the portals");
+        assert_eq!(
+            seen,
+            (0..built.pieces.len() as u16).collect::<Vec<_>>(),
+            "each piece once"
+        );
+        assert_eq!(
+            found,
+            (0..portals.len() as u16).collect::<Vec<_>>(),
+            "g12: a bijection onto the portals"
+        );
     }
 }
 
@@ -334,6 +420,10 @@ fn bounding_spheres_hold_their_points() {
     for _ in 0..1000 {
         let points: Vec<DVec3> = (0..8).map(|_| random.point(500.0)).collect();
         let sphere = bounding_sphere(points.iter().copied());
-        assert!(points.iter().all(|p| p.as_vec3().distance(sphere.center) <= sphere.radius));
+        assert!(
+            points
+                .iter()
+                .all(|p| p.as_vec3().distance(sphere.center) <= sphere.radius)
+        );
     }
 }

@@ -6,7 +6,7 @@ use glam::Vec3;
 use crate::constants::{CELL_BSP_SPHERE_FUDGE, EPSILON};
 use crate::env_cell::{CellPortal, EnvCell, PortalTarget};
 use crate::frame::Frame;
-use crate::geometry::{BoundingBox, Plane};
+use crate::geometry::{BoundingBox, Plane, Sphere};
 
 /// How far a hint stays away from the exact answer, metres: many times the rounding of coordinates up to
 /// [`MAX_COORDINATE`].
@@ -25,6 +25,11 @@ pub struct TransitHints {
 }
 
 impl TransitHints {
+    /// Memory behind the hints, bytes.
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(&*self.away) + size_of_val(&*self.planes)
+    }
+
     /// Whether `q` is certainly inside the cell.
     #[inline]
     pub(crate) fn certainly_contains(&self, q: Vec3) -> bool {
@@ -34,6 +39,43 @@ impl TransitHints {
             }
             None => false,
         }
+    }
+
+    /// How far spheres at these places may be shifted together and still touch this cell only, with the first
+    /// centre inside, metres. Zero or less: nothing is certain.
+    #[inline]
+    pub(crate) fn calm_distance(&self, spheres: &[Sphere]) -> f32 {
+        let (Some(BoundingBox { min, max }), Some(foot)) = (&self.core, spheres.first()) else {
+            return 0.0;
+        };
+        let (a, b) = (foot.center - *min, *max - foot.center);
+        let mut least = a.x;
+        for d in [a.y, a.z, b.x, b.y, b.z] {
+            least = if d < least { d } else { least };
+        }
+        for plane in &self.away {
+            for s in spheres {
+                let d = -(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)) - plane.dist(s.center);
+                least = if d < least { d } else { least };
+            }
+        }
+        least * UNIT_TOLERANCE
+    }
+
+    /// How far spheres may be shifted together and certainly stay outside the cell, metres. Zero or less: nothing
+    /// is certain.
+    #[inline]
+    pub(crate) fn outside_distance(&self, spheres: &[Sphere]) -> f32 {
+        let mut least = f32::INFINITY;
+        for s in spheres {
+            let mut most = 0.0;
+            for plane in &self.planes {
+                let d = -(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)) - plane.dist(s.center);
+                most = if d > most { d } else { most };
+            }
+            least = if most < least { most } else { least };
+        }
+        least * UNIT_TOLERANCE
     }
 
     /// Whether a sphere is certainly out of reach of portal `index` and what it leads to.
@@ -52,6 +94,9 @@ impl TransitHints {
         self.planes.iter().any(|plane| plane.dist(center) < reach)
     }
 }
+
+/// Normals that count as unit vectors may be this much longer.
+const UNIT_TOLERANCE: f32 = 0.999;
 
 /// A plane of a cell in the frame of its landblock; without effect when it cannot be trusted.
 fn in_landblock(frame: &Frame, plane: &Plane) -> Plane {
@@ -79,6 +124,12 @@ fn is_near(cell: &EnvCell) -> bool {
     })
 }
 
+/// Whether a cell has so many portals or planes, by the thousand, that hints would take longer than they save.
+/// Retail's have 27 portals at most.
+fn is_overgrown(cell: &EnvCell) -> bool {
+    cell.portals.len() > 256 || cell.structure.cell_bsp.planes().len() > 256
+}
+
 /// Works out the hints of all env cells of a landblock.
 pub(crate) fn set_hints(cells: &mut [Option<EnvCell>]) {
     let hints: Vec<Option<TransitHints>> = cells
@@ -92,8 +143,26 @@ pub(crate) fn set_hints(cells: &mut [Option<EnvCell>]) {
     }
 }
 
+/// Works the hints of cell `index` about its neighbours out again, after some became resident or ceased to be.
+pub(crate) fn refresh_away(cells: &mut [Option<EnvCell>], index: usize) {
+    let Some(Some(cell)) = cells.get(index) else {
+        return;
+    };
+    if cell.hints.away.is_empty() {
+        return;
+    }
+    let away = cell
+        .portals
+        .iter()
+        .map(|portal| away_from(cell, portal, cells))
+        .collect();
+    if let Some(Some(cell)) = cells.get_mut(index) {
+        cell.hints.away = away;
+    }
+}
+
 fn hints_of(cell: &EnvCell, cells: &[Option<EnvCell>]) -> TransitHints {
-    if !is_near(cell) {
+    if !is_near(cell) || is_overgrown(cell) {
         return TransitHints::default();
     }
     TransitHints {
@@ -173,7 +242,7 @@ fn away_from(cell: &EnvCell, portal: &CellPortal, cells: &[Option<EnvCell>]) -> 
     let Some(neighbour) = neighbour else {
         return in_landblock(&cell.frame, &own);
     };
-    if !is_near(neighbour) {
+    if !is_near(neighbour) || is_overgrown(neighbour) {
         return NO_HINT;
     }
     let Some(bounds) = cell.structure.bounds else {

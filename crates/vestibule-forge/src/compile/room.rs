@@ -28,7 +28,12 @@ fn material(solid: &SolidDef, paint: &Paint, normal: DVec3) -> usize {
 
 /// Cuts a room into convex cells that touch but do not overlap, in room coordinates; what is wrong with its
 /// polygons is reported.
-pub(crate) fn cells_of(name: &Word, solids: &[SolidDef], paint: &Paint, messages: &mut Messages) -> Vec<Polytope> {
+pub(crate) fn cells_of(
+    name: &Word,
+    solids: &[SolidDef],
+    paint: &Paint,
+    messages: &mut Messages,
+) -> Vec<Polytope> {
     let mut cells: Vec<Polytope> = Vec::new();
     let mut add = |part: Polytope| {
         let mut rest = vec![part];
@@ -77,7 +82,9 @@ fn open_edges(polygons: &[Polygon]) -> Vec<(usize, DVec3, DVec3)> {
             let mut stops: Vec<f64> = corners
                 .iter()
                 .map(|c| (c, (*c - a).dot(along) / along.length_squared()))
-                .filter(|(c, t)| *t > 0.0 && *t < 1.0 && near(a + along * *t, **c) && !near(**c, a) && !near(**c, b))
+                .filter(|(c, t)| {
+                    *t > 0.0 && *t < 1.0 && near(a + along * *t, **c) && !near(**c, a) && !near(**c, b)
+                })
                 .map(|(_, t)| t)
                 .collect();
             stops.extend([0.0, 1.0]);
@@ -106,12 +113,19 @@ fn is_closed(name: &Word, soup: &[Wall], messages: &mut Messages) -> bool {
     let mut polygons: Vec<Polygon> = soup.iter().map(|w| w.polygon.clone()).collect();
     let mut open = open_edges(&polygons);
     if open.is_empty() {
-        let volume: f64 = polygons.iter().map(|p| p.area() * -p.plane.dist(polygons[0].points[0])).sum();
+        let volume: f64 = polygons
+            .iter()
+            .map(|p| p.area() * -p.plane.dist(polygons[0].points[0]))
+            .sum();
         if volume < 0.0 {
             return true;
         }
         let message = format!("all polygons of room `{}` face outwards", name.text);
-        messages.error(soup[0].span, message, "list each polygon's points counter-clockwise as seen from inside");
+        messages.error(
+            soup[0].span,
+            message,
+            "list each polygon's points counter-clockwise as seen from inside",
+        );
         return false;
     }
     // A polygon that, turned over, closes more edges than it leaves open is inside out.
@@ -121,7 +135,11 @@ fn is_closed(name: &Word, soup: &[Wall], messages: &mut Messages) -> bool {
         let mended = open_edges(&polygons);
         if mended.len() < open.len() {
             let message = format!("this polygon faces out of room `{}`", name.text);
-            messages.error(soup[k].span, message, "reverse the order of its points: counter-clockwise as seen from inside");
+            messages.error(
+                soup[k].span,
+                message,
+                "reverse the order of its points: counter-clockwise as seen from inside",
+            );
             open = mended;
         } else {
             polygons[k] = kept;

@@ -18,8 +18,9 @@ pub fn carve(walls: &[Polygon]) -> Vec<Polytope> {
         return Polytope::from_planes(&planes).into_iter().collect();
     }
     let points = walls.iter().flat_map(|w| w.points.iter());
-    let (low, high) = points
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+    let (low, high) = points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
+        (low.min(*p), high.max(*p))
+    });
     let mut out = Vec::new();
     if let Some(space) = Polytope::cuboid(low - 1.0, high + 1.0) {
         split(space, walls.to_vec(), false, &mut out, 0);

@@ -48,7 +48,10 @@ pub fn union_faces(parts: &[Polytope]) -> Vec<Face> {
                     pieces = pieces.iter().flat_map(|p| outside(p, other, j < i)).collect();
                 }
             }
-            out.extend(pieces.into_iter().map(|polygon| Face { polygon, tag: face.tag }));
+            out.extend(pieces.into_iter().map(|polygon| Face {
+                polygon,
+                tag: face.tag,
+            }));
         }
     }
     out
@@ -65,7 +68,9 @@ pub(crate) fn uncovered(polygon: &Polygon, solids: &[Polytope]) -> Vec<Polygon> 
 pub(crate) fn inside(polygon: &Polygon, solid: &Polytope) -> Option<Polygon> {
     solid.faces.iter().try_fold(polygon.clone(), |part, face| {
         let inwards = face.polygon.plane.flipped();
-        (part.side(&inwards) != Side::On).then(|| part.clipped(&inwards)).flatten()
+        (part.side(&inwards) != Side::On)
+            .then(|| part.clipped(&inwards))
+            .flatten()
     })
 }
 
@@ -87,21 +92,28 @@ pub fn merge_convex(mut parts: Vec<Polytope>) -> Vec<Polytope> {
 }
 
 fn join(a: &Polytope, b: &Polytope) -> Option<Polytope> {
-    let touching = a
-        .faces
-        .iter()
-        .enumerate()
-        .find_map(|(i, f)| b.faces.iter().position(|g| f.polygon.meets(&g.polygon)).map(|j| (i, j)))?;
+    let touching = a.faces.iter().enumerate().find_map(|(i, f)| {
+        b.faces
+            .iter()
+            .position(|g| f.polygon.meets(&g.polygon))
+            .map(|j| (i, j))
+    })?;
     let keep = |p: &Polytope, skip: usize| -> Vec<(Plane, u32)> {
-        p.planes().into_iter().enumerate().filter(|(k, _)| *k != skip).map(|(_, plane)| plane).collect()
+        p.planes()
+            .into_iter()
+            .enumerate()
+            .filter(|(k, _)| *k != skip)
+            .map(|(_, plane)| plane)
+            .collect()
     };
     let mut planes = keep(a, touching.0);
     planes.extend(keep(b, touching.1));
     planes.sort_by_key(|(_, tag)| *tag == CUT);
-    let same_tags = planes
-        .iter()
-        .enumerate()
-        .all(|(k, (p, tag))| planes[..k].iter().all(|(q, other)| !p.same_as(q) || tag == other || *tag == CUT));
+    let same_tags = planes.iter().enumerate().all(|(k, (p, tag))| {
+        planes[..k]
+            .iter()
+            .all(|(q, other)| !p.same_as(q) || tag == other || *tag == CUT)
+    });
     let joined = Polytope::from_planes(&planes).filter(|_| same_tags)?;
     let volume = a.volume() + b.volume();
     ((joined.volume() - volume).abs() < 1.0e-6 * volume).then_some(joined)
