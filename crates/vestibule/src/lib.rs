@@ -40,9 +40,11 @@ pub mod map_svg;
 mod open;
 pub mod references;
 pub mod route;
+pub mod replay;
 pub mod round_trips;
 pub mod tour;
 pub mod visible_svg;
+pub mod walk;
 pub mod walker;
 
 pub use open::{EMBEDDED_NAME, OpenError, open_dats, open_world};

@@ -120,6 +120,144 @@ pub fn entrances(world: &World, block: BlockId) -> Vec<Opening> {
 /// A planned way: points over the ground in the frame of the walker's routes.
 pub type Way = Vec<Vec2>;
 
+/// What to do next along a way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Steer {
+    /// Go by this over the ground, metres.
+    Go(Vec2),
+    /// The way has led where it should.
+    Arrived,
+    /// There is no progress, or the way has ended elsewhere.
+    Lost,
+}
+
+/// Follows a way in short steps.
+#[derive(Clone, Debug)]
+pub struct Steering<'w> {
+    way: &'w [Vec2],
+    next: usize,
+    step: f32,
+    last: Option<Vec2>,
+    heading: Vec2,
+    stuck: u32,
+    overshoot: u32,
+}
+
+/// Steps without progress after which a way is given up.
+const STUCK_STEPS: u32 = 15;
+/// Steps taken beyond the end of a way that has not yet led into its cell.
+const OVERSHOOT_STEPS: u32 = 8;
+/// How near a point of the way counts as there, metres.
+const NEAR: f32 = 0.04;
+
+impl<'w> Steering<'w> {
+    /// Steers along `way` in steps of `step` metres.
+    pub fn new(way: &'w [Vec2], step: f32) -> Self {
+        Steering { way, next: 0, step, last: None, heading: Vec2::ZERO, stuck: 0, overshoot: 0 }
+    }
+
+    /// The next step from `here`; `arrived` says whether the player is where the way should lead.
+    pub fn next(&mut self, here: Vec2, arrived: bool) -> Steer {
+        if let Some(last) = self.last.replace(here) {
+            let moved = last.distance(here) >= 0.2 * self.step;
+            self.stuck = if moved { 0 } else { self.stuck + 1 };
+            if self.stuck >= STUCK_STEPS {
+                return Steer::Lost;
+            }
+        }
+        while let Some(&point) = self.way.get(self.next) {
+            let left = point - here;
+            if left.length() > NEAR {
+                self.heading = left.normalize_or_zero();
+                return Steer::Go(left.clamp_length_max(self.step));
+            }
+            self.next += 1;
+            self.stuck = 0;
+        }
+        if arrived {
+            return Steer::Arrived;
+        }
+        // The way may end on the very edge of the cell it leads to.
+        if self.overshoot >= OVERSHOOT_STEPS {
+            return Steer::Lost;
+        }
+        self.overshoot += 1;
+        Steer::Go(self.heading * self.step)
+    }
+}
+
+/// A step from cell to cell: an opening, and whether it is gone through into its cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Passage {
+    /// The opening.
+    pub opening: Opening,
+    /// Into the opening's cell, rather than out of it.
+    pub inward: bool,
+}
+
+impl Passage {
+    /// A way through it on foot.
+    pub fn way(&self, walker: &mut Walker<'_>, from: &Footing) -> Option<Way> {
+        through(walker, from, &self.opening, self.inward)
+    }
+
+    /// Whether a cell is on its far side.
+    pub fn leads_to(&self, cell: CellId) -> bool {
+        if self.inward {
+            return cell == self.opening.id.cell;
+        }
+        match self.opening.to {
+            PortalTarget::Outside => !cell.is_indoor(),
+            PortalTarget::Cell(other) => cell == other,
+        }
+    }
+}
+
+/// The fewest passages from one cell to another, by portals alone, without those that are `barred`. All land cells count
+/// as one place; entrances are those of the landblocks around both cells.
+pub fn passages(world: &World, from: CellId, to: CellId, barred: &[PortalId]) -> Option<Vec<Passage>> {
+    let place = |cell: CellId| if cell.is_indoor() { cell } else { CellId::NONE };
+    let (start, goal) = (place(from), place(to));
+    let mut blocks: Vec<BlockId> = Vec::new();
+    for home in [from.block(), to.block()] {
+        for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))) {
+            blocks.extend(home.neighbour(dx, dy).filter(|b| !blocks.contains(b)));
+        }
+    }
+    let mut reached: HashMap<CellId, Option<(CellId, Passage)>> = HashMap::from([(start, None)]);
+    let mut queue = std::collections::VecDeque::from([start]);
+    while let Some(here) = queue.pop_front() {
+        if here == goal {
+            let mut out = Vec::new();
+            let mut at = goal;
+            while let Some(Some((before, passage))) = reached.get(&at) {
+                out.push(passage.clone());
+                at = *before;
+            }
+            out.reverse();
+            return Some(out);
+        }
+        let next: Vec<Passage> = if here.is_none() {
+            let entrances = blocks.iter().flat_map(|&block| entrances(world, block));
+            entrances.map(|opening| Passage { opening, inward: true }).collect()
+        } else {
+            openings(world, here).into_iter().map(|opening| Passage { opening, inward: false }).collect()
+        };
+        for passage in next.into_iter().filter(|p| !barred.contains(&p.opening.id)) {
+            let there = match (passage.inward, passage.opening.to) {
+                (true, _) => passage.opening.id.cell,
+                (false, PortalTarget::Outside) => CellId::NONE,
+                (false, PortalTarget::Cell(cell)) => cell,
+            };
+            if !reached.contains_key(&there) && (there.is_none() || world.env_cell(there).is_some()) {
+                reached.insert(there, Some((here, passage)));
+                queue.push_back(there);
+            }
+        }
+    }
+    None
+}
+
 /// A way through an opening, out of its cell, ending in what is behind it.
 pub fn out_through(walker: &mut Walker<'_>, from: &Footing, opening: &Opening) -> Option<Way> {
     through(walker, from, opening, false)
@@ -214,8 +352,8 @@ fn straight_through(
     None
 }
 
-/// Whether going from one cell to the other needs no opening.
-fn same_side(a: CellId, b: CellId) -> bool {
+/// Whether going from one cell to the other needs no opening: they are the same, or both outdoors.
+pub fn same_side(a: CellId, b: CellId) -> bool {
     a == b || !a.is_indoor() && !b.is_indoor()
 }
 

@@ -11,23 +11,17 @@ use serde::Serialize;
 use vestibule_dat::{DatSet, RecordKind};
 use vestibule_world::{BlockId, CellId, PortalTarget, Position, World};
 
-use crate::route::{self, Opening, PortalId};
+use crate::route::{self, Opening, PortalId, Steer, Steering};
 use crate::walker::{Footing, TICK, Walker};
 
 /// Length of a step, metres.
 pub const STEP: f32 = 0.05;
-/// Ticks without progress after which a way is given up.
-const STUCK_TICKS: u32 = 15;
 /// Ticks that a fall may take.
 const FALL_TICKS: u32 = 450;
 /// Speed of a jump off an edge, m/s: upwards, and over the ground.
 const JUMP: (f32, f32) = (2.0, 2.5);
 /// Openings higher than this above the floor are windows, metres: a little more than a player steps up.
 const REACH: f32 = 0.65;
-/// Steps taken beyond the end of a way that has not yet led into its cell.
-const OVERSHOOT_STEPS: u32 = 8;
-/// How near a point of the route counts as there, metres.
-const NEAR: f32 = 0.04;
 
 /// What a tour does.
 #[derive(Clone, Debug)]
@@ -366,7 +360,9 @@ impl<'w, 'o> Tour<'w, 'o> {
         physics.faces().iter().any(|face| {
             let normal = cell.frame.local_to_global_vec(face.plane.normal);
             let corners = physics.edges(face).iter().map(|edge| cell.frame.local_to_global(edge.start));
-            normal.z >= vestibule_world::constants::FLOOR_Z && corners.into_iter().any(|c| c.z > lowest - REACH)
+            let near = |c: Vec3| opening.corners.iter().any(|o| o.truncate().distance(c.truncate()) < 1.5);
+            let mut corners = corners.into_iter();
+            normal.z >= vestibule_world::constants::FLOOR_Z && corners.any(|c| c.z > lowest - REACH && near(c))
         })
     }
 
@@ -461,36 +457,19 @@ impl<'w, 'o> Tour<'w, 'o> {
 
     /// Walks a way in steps. Says whether it ended in a cell that `arrived` accepts.
     fn follow(&mut self, way: &[Vec2], arrived: impl Fn(CellId) -> bool) -> bool {
-        let mut heading = Vec2::ZERO;
-        for &point in way {
-            let mut stuck = 0;
-            loop {
-                let here = self.walker.point(&self.footing.at).truncate();
-                let left = point - here;
-                if left.length() <= NEAR {
-                    break;
+        let mut steering = Steering::new(way, STEP);
+        loop {
+            let here = self.walker.point(&self.footing.at).truncate();
+            match steering.next(here, arrived(self.footing.at.cell)) {
+                Steer::Arrived => return true,
+                Steer::Lost => return false,
+                Steer::Go(offset) => {
+                    if !self.tick(offset) {
+                        return false;
+                    }
                 }
-                if !self.tick(left.clamp_length_max(STEP)) {
-                    return false;
-                }
-                let moved = self.walker.point(&self.footing.at).truncate().distance(here);
-                stuck = if moved < 0.2 * STEP { stuck + 1 } else { 0 };
-                if stuck >= STUCK_TICKS {
-                    return false;
-                }
-                heading = left.normalize_or_zero();
             }
         }
-        // The way may end on the very edge of the cell it leads to.
-        for _ in 0..OVERSHOOT_STEPS {
-            if arrived(self.footing.at.cell) {
-                return true;
-            }
-            if !self.tick(heading * STEP) {
-                return false;
-            }
-        }
-        arrived(self.footing.at.cell)
     }
 
     /// One step; in a doorway that is new the player then stands still. `false` when the tour is over.

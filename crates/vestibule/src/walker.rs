@@ -113,6 +113,22 @@ impl<'w> Walker<'w> {
         }
     }
 
+    /// One sweep to a point of the frame of the footing's landblock, as recorded moves are followed.
+    pub fn sweep_to(&mut self, from: &Footing, to: Vec3) -> Footing {
+        let to = Position::new(from.at.cell, to);
+        let (population, scratch) = (&self.population, &mut self.scratch);
+        match sweep(self.world, population, scratch, &self.mover, &from.carried, &from.at, &to) {
+            Ok(swept) if swept.ok => match swept.cell {
+                Some(cell) => {
+                    let at = Position { cell, ..swept.position };
+                    Footing { at, carried: swept.carried(), rise: from.rise }
+                }
+                None => *from,
+            },
+            _ => *from,
+        }
+    }
+
     /// The player jumps: it lets go of the ground and rises at `up` m/s, keeping what it slid along.
     pub fn jump(&self, from: &Footing, up: f32) -> Footing {
         let carried = Carried { last_known: from.carried.contact, ..Carried::default() };
