@@ -5,7 +5,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = args.next().ok_or("usage: build_scene SCENE [OUT]")?;
     let started = std::time::Instant::now();
     let world = vestibule_forge::compile_scene_path(&scene)?;
-    println!("{}: {:?} in {:.1} ms", world.name, world.stats, started.elapsed().as_secs_f64() * 1e3);
+    println!(
+        "{}: {:?} in {:.1} ms",
+        world.name,
+        world.stats,
+        started.elapsed().as_secs_f64() * 1e3
+    );
     for warning in &world.warnings {
         println!("{warning}");
     }

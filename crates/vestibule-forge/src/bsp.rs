@@ -88,9 +88,16 @@ pub(crate) fn best_splitter<'a>(
 /// A plane as stored.
 fn stored(plane: &Plane) -> primitive::Plane {
     let plane = plane.tidy();
-    primitive::Plane { normal: plane.normal.as_vec3(), d: plane.d as f32 }
+    primitive::Plane {
+        normal: plane.normal.as_vec3(),
+        d: plane.d as f32,
+    }
 }
 
 fn check_count(polygons: usize) -> Result<(), BspError> {
-    if polygons > usize::from(u16::MAX) { Err(BspError::TooManyPolygons(polygons)) } else { Ok(()) }
+    if polygons > usize::from(u16::MAX) {
+        Err(BspError::TooManyPolygons(polygons))
+    } else {
+        Ok(())
+    }
 }

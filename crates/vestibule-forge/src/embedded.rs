@@ -5,10 +5,22 @@ use crate::text::Diagnostics;
 
 /// The scene files of the built-in world, in the order in which they are read.
 pub const EMBEDDED_SCENE: [(&str, &str); 4] = [
-    ("worlds/hollow/1-land.scene", include_str!("../../../worlds/hollow/1-land.scene")),
-    ("worlds/hollow/2-things.scene", include_str!("../../../worlds/hollow/2-things.scene")),
-    ("worlds/hollow/3-village.scene", include_str!("../../../worlds/hollow/3-village.scene")),
-    ("worlds/hollow/4-mine.scene", include_str!("../../../worlds/hollow/4-mine.scene")),
+    (
+        "worlds/hollow/1-land.scene",
+        include_str!("../../../worlds/hollow/1-land.scene"),
+    ),
+    (
+        "worlds/hollow/2-things.scene",
+        include_str!("../../../worlds/hollow/2-things.scene"),
+    ),
+    (
+        "worlds/hollow/3-village.scene",
+        include_str!("../../../worlds/hollow/3-village.scene"),
+    ),
+    (
+        "worlds/hollow/4-mine.scene",
+        include_str!("../../../worlds/hollow/4-mine.scene"),
+    ),
 ];
 
 /// Compiles the built-in world, "Hollow": a valley of nine landblocks with a village, a mine and a dungeon, made so

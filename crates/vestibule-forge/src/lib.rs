@@ -1,16 +1,49 @@
-//! Makes and checks worlds.
+//! Makes and checks worlds: from scene text to the records of the client's DAT files.
+//!
+//! * [`compile_scene`] and [`compile_scene_path`] compile the scene language ([`scenes`]) into a [`CompiledWorld`]:
+//!   terrain, rooms with exact portals, buildings with shells, objects, textures, stab lists. What is wrong with a
+//!   scene comes back as [`Diagnostics`]: file, line, what, and how to mend it.
+//! * [`embedded_world`] is the small world that is built in.
+//! * [`bsp`] builds cell, physics and drawing trees from plain polygons, for any tool that makes models or rooms.
+//! * [`visibility`] tells which cells can be seen from anywhere in a cell.
+//! * [`geometry`] is what both stand on: convex polygons and solids, unions, cutting into convex parts.
+//!
+//! Everything is computed in f64 in a fixed order and stored as f32: the same scene gives the same bytes on every
+//! platform.
+//!
+//! ```
+//! let world = vestibule_forge::compile_scene(
+//!     "rooms.scene",
+//!     "dungeon d 0x0101 {
+//!          room hall { box (0 0 0) (8 6 3) }
+//!          room cell { box (8 2 0) (12 4 2.5) }
+//!          opening hall cell
+//!      }",
+//! )?;
+//! assert_eq!(world.stats.cells, 2);
+//! let opened = vestibule_world::World::open(world.memory_records())?;
+//! let hall = world.cell_named("d.hall").and_then(|id| opened.env_cell(id)).ok_or("no hall")?;
+//! assert!(hall.contains_point(glam::Vec3::new(1.0, 1.0, 1.0)));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
 #![forbid(unsafe_code)]
 
 pub mod bsp;
-pub mod geometry;
-mod scene;
-mod text;
 mod compile;
 mod embedded;
+pub mod geometry;
+mod scene;
+mod scene_path;
+mod text;
 pub mod visibility;
 
-pub use embedded::{EMBEDDED_SCENE, embedded_world};
+#[doc = include_str!("../docs/scenes.md")]
+pub mod scenes {}
+
 pub use compile::{CompileStats, CompiledWorld};
+pub use embedded::{EMBEDDED_SCENE, embedded_world};
+pub use scene_path::{SceneError, compile_scene_path};
 pub use text::{Diagnostic, Diagnostics, Severity};
 
 /// Compiles the text of a scene; `name` is the file's name for messages.
@@ -19,55 +52,4 @@ pub use text::{Diagnostic, Diagnostics, Severity};
 /// When the scene has errors; warnings come with the compiled world.
 pub fn compile_scene(name: &str, text: &str) -> Result<CompiledWorld, Diagnostics> {
     compile::compile(&[(name, text)])
-}
-
-/// Why a scene on disk gave no world.
-#[derive(Debug, thiserror::Error)]
-pub enum SceneError {
-    /// A file or folder cannot be read.
-    #[error("{path}: {source}")]
-    Read {
-        /// The file or folder.
-        path: String,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// A folder holds no `.scene` files.
-    #[error("{0}: there are no .scene files in this folder")]
-    Empty(String),
-    /// The scene has errors.
-    #[error(transparent)]
-    Scene(#[from] Diagnostics),
-}
-
-/// Compiles a scene file, or all `.scene` files of a folder in the order of their names.
-///
-/// # Errors
-/// When nothing can be read there, or the scene has errors.
-pub fn compile_scene_path(path: impl AsRef<std::path::Path>) -> Result<CompiledWorld, SceneError> {
-    let path = path.as_ref();
-    let named = |p: &std::path::Path| p.display().to_string();
-    let failed = |p: &std::path::Path, source| SceneError::Read { path: named(p), source };
-    let mut files = Vec::new();
-    if path.is_dir() {
-        for entry in std::fs::read_dir(path).map_err(|e| failed(path, e))? {
-            let file = entry.map_err(|e| failed(path, e))?.path();
-            if file.extension().is_some_and(|e| e == "scene") {
-                files.push(file);
-            }
-        }
-        files.sort();
-        if files.is_empty() {
-            return Err(SceneError::Empty(named(path)));
-        }
-    } else {
-        files.push(path.to_owned());
-    }
-    let mut texts = Vec::new();
-    for file in files {
-        let text = std::fs::read_to_string(&file).map_err(|e| failed(&file, e))?;
-        texts.push((named(&file), text));
-    }
-    let texts: Vec<(&str, &str)> = texts.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
-    Ok(compile::compile(&texts)?)
 }

@@ -11,8 +11,8 @@ mod terrain_op;
 
 pub(crate) use material::{Material, Pattern, pattern_named};
 pub(crate) use model::{
-    Collide, Exit, Fixture, Kind, LightDef, Link, ModelDef, Opening, Paint, RoomDef, Scatter, Scene, ShellDef,
-    SiteDef, SolidDef, Start, StaticDef,
+    Collide, Exit, Fixture, Kind, LightDef, Link, ModelDef, Opening, Paint, RoomDef, Scatter, Scene,
+    ShellDef, SiteDef, SolidDef, Start, StaticDef,
 };
 pub(crate) use placement::{PlaceDef, Placement, turned};
 pub(crate) use read::read;

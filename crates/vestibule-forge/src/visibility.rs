@@ -70,7 +70,14 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(cells: &'a [Vec<Opening>], from: Option<usize>) -> Self {
-        Search { cells, from, seen: Seen::default(), steps: 0, chain: from.into_iter().collect(), bounds: Vec::new() }
+        Search {
+            cells,
+            from,
+            seen: Seen::default(),
+            steps: 0,
+            chain: from.into_iter().collect(),
+            bounds: Vec::new(),
+        }
     }
 
     fn enter(&mut self, to: Option<usize>, source: &Polygon) {
@@ -98,11 +105,16 @@ impl<'a> Search<'a> {
                 // An opening in the very plane of the source is seen edge-on, by nobody.
                 t.points.iter().any(|p| source.plane.dist(*p) > 1.0e-6)
             });
-            let target = self.bounds.iter().try_fold(target, |part, plane| part.map(|p| p.clipped(plane)));
+            let target = self
+                .bounds
+                .iter()
+                .try_fold(target, |part, plane| part.map(|p| p.clipped(plane)));
             let Some(target) = target.flatten() else { continue };
             let narrowed = match pass {
                 None => Some(source.clone()),
-                Some(pass) => separators(&target, pass).iter().try_fold(source.clone(), |s, p| s.clipped(p)),
+                Some(pass) => separators(&target, pass)
+                    .iter()
+                    .try_fold(source.clone(), |s, p| s.clipped(p)),
             };
             let Some(narrowed) = narrowed else { continue };
             match opening.to {

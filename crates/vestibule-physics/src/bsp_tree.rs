@@ -65,7 +65,21 @@ pub(crate) fn sphere_intersects_poly<'b>(
     movement: Vec3,
     named: &mut Option<&'b Face>,
 ) -> bool {
+    if hits_nothing(bsp, s) {
+        return false;
+    }
     intersects_poly(bsp, bsp.root, s, movement, named)
+}
+
+/// Whether the sphere certainly overlaps no polygon of the tree: then no walk finds anything.
+#[inline]
+fn hits_nothing(bsp: &PhysicsBsp, s: &Sphere) -> bool {
+    bsp.certainly_clear(s.center, s.radius) || hits_no_face(bsp, s)
+}
+
+fn hits_no_face(bsp: &PhysicsBsp, s: &Sphere) -> bool {
+    let hits = |face: &Face| polygon::polygon_hits_sphere(face, bsp.edges(face), s);
+    bsp.any_face_near(s.center, s.radius - EPSILON, false, hits) == Some(false)
 }
 
 fn intersects_poly<'b>(
@@ -123,6 +137,10 @@ pub(crate) struct WalkableSearch<'b> {
 /// Moves the sphere back along its movement onto every polygon level enough to stand on, one after the other
 /// (6.6.2). Never stops early: the last success wins, and each polygon sees the sphere as the last one left it.
 pub(crate) fn find_walkable<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>) {
+    // A fresh step down mostly finds ground; what follows mostly finds nothing more.
+    if search.walk_interp < 1.0 && hits_nothing(bsp, &search.sphere) {
+        return;
+    }
     walkable_below(bsp, bsp.root, search);
 }
 
@@ -224,6 +242,9 @@ pub fn point_intersects_solid(bsp: &PhysicsBsp, p: Vec3) -> bool {
 
 /// Whether the sphere overlaps a polygon, or its centre a solid leaf when `center_check` (6.3.2).
 pub(crate) fn sphere_intersects_solid(bsp: &PhysicsBsp, s: &Sphere, center_check: bool) -> bool {
+    if !(center_check && bsp.has_solid_leaf()) && hits_nothing(bsp, s) {
+        return false;
+    }
     solid(bsp, bsp.root, s, center_check)
 }
 

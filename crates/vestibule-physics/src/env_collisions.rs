@@ -14,8 +14,8 @@ impl<'w> Transition<'w, '_> {
     /// 7.4).
     pub(crate) fn find_collisions_in_cell(&mut self, cell: CellRef<'w>) -> TransitionState {
         match cell {
-            CellRef::Env(cell) => match self.find_env_cell_collisions(cell) {
-                TransitionState::Ok => self.find_obj_collisions(cell.id),
+            CellRef::Env { cell, block } => match self.find_env_cell_collisions(cell) {
+                TransitionState::Ok => self.find_obj_collisions(cell.id, block),
                 ts => ts,
             },
             CellRef::Land { id, cell, block } => {
@@ -26,7 +26,7 @@ impl<'w> Transition<'w, '_> {
                     }
                 }
                 if ts == TransitionState::Ok {
-                    self.find_obj_collisions(id)
+                    self.find_obj_collisions(id, block)
                 } else {
                     ts
                 }

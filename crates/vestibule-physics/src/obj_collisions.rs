@@ -1,6 +1,6 @@
 //! Collision with objects: which shape decides, and what a hit means (`transition.md` 7.7, 8.1, 8.2).
 
-use vestibule_world::{CellId, CylSphere, Frame, Model, Shape, Sphere, StaticObject, StaticRef};
+use vestibule_world::{CellId, CylSphere, Frame, Landblock, Model, Shape, Sphere, StaticObject, StaticRef};
 
 use crate::bsp_tree::spheres_overlap;
 use crate::flags::{ObjectKind, ObjectState, PhysicsState};
@@ -57,11 +57,14 @@ impl<'w> Target<'w> {
 impl<'w> Transition<'w, '_> {
     /// The objects that reach a cell, in the order they entered it (7.7).
     #[inline]
-    pub(crate) fn find_obj_collisions(&mut self, cell: CellId) -> TransitionState {
+    pub(crate) fn find_obj_collisions(&mut self, cell: CellId, block: &'w Landblock) -> TransitionState {
         if self.path.insert_type == InsertType::InitialPlacement {
             return TransitionState::Ok;
         }
-        for &r in self.world.statics_in(cell) {
+        for (r, reach) in self.world.shadow_lists(block).with_reaches(cell) {
+            if self.is_out_of_reach(reach, cell) {
+                continue;
+            }
             let Some(object) = self.world.static_object(r) else {
                 continue;
             };
@@ -83,6 +86,30 @@ impl<'w> Transition<'w, '_> {
             }
         }
         TransitionState::Ok
+    }
+
+    /// Whether no sphere of the mover is anywhere near what `reach` holds, so that all tests would find nothing.
+    #[inline]
+    fn is_out_of_reach(&self, reach: &Sphere, cell: CellId) -> bool {
+        let path = &self.path;
+        let mut center = reach.center;
+        if cell.block() != path.check_pos.cell.block() {
+            center += self.blk(path.check_pos.cell, cell);
+        }
+        let [foot, head] = &path.global_sphere;
+        let larger = if head.radius > foot.radius {
+            head.radius
+        } else {
+            foot.radius
+        };
+        // A cylinder is square in section: its corners are farther than its radius and height say.
+        let limit = reach.radius + 1.5 * larger;
+        let limit = limit * limit;
+        let is_far = |s: &Sphere| {
+            let between = s.center - center;
+            between.dot(between) > limit
+        };
+        is_far(foot) && (path.num_sphere < 2 || is_far(head))
     }
 
     /// One object (retail `FindObjCollisions`, 8.2).

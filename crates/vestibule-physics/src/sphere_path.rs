@@ -12,7 +12,10 @@ use crate::transition::InsertType;
 /// A resident cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum CellRef<'w> {
-    Env(&'w EnvCell),
+    Env {
+        cell: &'w EnvCell,
+        block: &'w Landblock,
+    },
     Land {
         id: CellId,
         cell: &'w LandCell,
@@ -24,7 +27,7 @@ impl CellRef<'_> {
     #[inline]
     pub(crate) fn id(&self) -> CellId {
         match self {
-            CellRef::Env(cell) => cell.id,
+            CellRef::Env { cell, .. } => cell.id,
             CellRef::Land { id, .. } => *id,
         }
     }

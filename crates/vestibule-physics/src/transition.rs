@@ -213,10 +213,11 @@ impl<'w> Transition<'w, '_> {
 /// The resident cell with this id.
 #[inline]
 pub(crate) fn cell_ref(world: &World, id: CellId) -> Option<CellRef<'_>> {
+    let block = world.block(id.block())?;
     if id.is_indoor() {
-        world.env_cell(id).map(CellRef::Env)
+        let cell = block.env_cell(id)?;
+        Some(CellRef::Env { cell, block })
     } else {
-        let block = world.block(id.block())?;
         let cell = block.land_cell(id)?;
         Some(CellRef::Land { id, cell, block })
     }

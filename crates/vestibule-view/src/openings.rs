@@ -499,10 +499,11 @@ impl BlockOpenings {
         };
         let model = building.shape.parts.first().and_then(|p| p.model.as_ref());
         let apertures = model.map_or(&[][..], |m| &m.apertures);
+        // A building without portals matches an empty list.
         let matched = apertures.len() == building.portals.len()
             && apertures.iter().zip(0u16..).all(|(a, index)| a.portal == index);
         // Without the shell's model neither shell nor interior is drawn (`rendering.md` 6.5).
-        house.mismatched = !matched && !(building.portals.is_empty() && apertures.is_empty());
+        house.mismatched = !matched;
         self.problems.mismatched_buildings += u32::from(house.mismatched);
         if let (Some(model), true) = (model, matched) {
             for (aperture, portal) in apertures.iter().zip(&building.portals) {

@@ -281,11 +281,11 @@ impl PView {
             });
             return;
         };
-        if self.settings.guard_wrong_cell {
-            if let Some(other) = better_root(openings, room, eye) {
-                room = other;
-                self.counters.wrong_cell += 1;
-            }
+        if self.settings.guard_wrong_cell
+            && let Some(other) = better_root(openings, room, eye)
+        {
+            room = other;
+            self.counters.wrong_cell += 1;
         }
         let stabs = &openings.rooms[room as usize].stabs;
         let start = Start {
@@ -454,7 +454,7 @@ fn better_root(openings: &BlockOpenings, room: u32, eye: Vec3) -> Option<u32> {
             .iter()
             .fold(0.0f32, |worst, plane| upper(worst, -plane.dist(local)))
     };
-    if !(outside_by(room) > WRONG_CELL_MARGIN) {
+    if outside_by(room) <= WRONG_CELL_MARGIN {
         return None;
     }
     openings

@@ -334,3 +334,77 @@ fn s17_3_no_room_flickers_on_a_path_through_a_door() {
 fn id_of(room: usize) -> CellId {
     id(room)
 }
+
+/// What could be seen from a room holds everything any eye in it sees; what it sees all around holds what it sees
+/// ahead.
+#[test]
+fn sight_without_a_camera_holds_every_camera() {
+    let mut pview = PView::default();
+    let (mut listed, mut reachable) = (0, 0);
+    for seed in 0..600 {
+        let mut random = Random(seed);
+        let mut maze = Maze::random(&mut random, seed % 4 == 0);
+        let openings = maze.rooms.build();
+        let first = maze.camera(&mut random);
+        let root = usize::from(first.cell().low() - 0x100);
+        let could = vestibule_view::potentially_visible(&openings, first.cell());
+        assert!(!could.truncated && could.cells.contains(&first.cell()));
+        listed += could.cells.len();
+        reachable += connected(&maze.rooms.specs, root).len();
+        for _ in 0..60 {
+            let camera = maze.camera(&mut random);
+            if camera.cell() != first.cell() {
+                continue;
+            }
+            let around = pview.look_around(Some(&openings), camera.cell(), camera.eye());
+            let (all, out) = (ids_of(&around), around.sees_outside());
+            assert!(all.iter().all(|id| could.cells.contains(id)), "seed {seed}");
+            assert!(!out || could.outside, "seed {seed}");
+            let flood = pview.look_in_block(Some(&openings), &camera);
+            assert!(flood.cells().iter().all(|c| all.contains(&c.id)), "seed {seed}");
+            assert!(!flood.sees_outside() || out, "seed {seed}");
+        }
+    }
+    let _ = writeln!(
+        std::io::stderr(),
+        "could be seen: {listed} of {reachable} reachable rooms"
+    );
+    assert!(listed < reachable);
+}
+
+/// 17.4: whoever is seen can look back.
+#[test]
+fn s17_4_sight_is_mutual() {
+    let mut pview = PView::default();
+    let mut checked = 0;
+    for seed in 0..2_000 {
+        let mut random = Random(seed);
+        let mut maze = Maze::random(&mut random, false);
+        let camera = maze.camera(&mut random);
+        let openings = maze.rooms.build();
+        let root = usize::from(camera.cell().low() - 0x100);
+        let flood = pview.look_in_block(Some(&openings), &camera);
+        let rays: Vec<(CellId, Vec3)> = flood
+            .cells()
+            .iter()
+            .skip(1)
+            .flat_map(|c| flood.regions(c).map(|r| (c.id, r)))
+            .filter(|(_, r)| r.pixel_area(&camera) > 1.0)
+            .map(|(id, r)| (id, r.middle().unwrap().normalize()))
+            .collect();
+        for (id, ray) in rays {
+            let walked = walk(&maze.rooms.specs, root, camera.eye(), ray);
+            let Some(at) = walked.rooms.iter().position(|r| *r == id) else {
+                continue;
+            };
+            let there = camera.eye() + ray * (walked.entered[at] as f32 + 0.02);
+            let back = Camera::new(id, there, -ray, Vec3::Z, 1.0, VIEWPORT).unwrap();
+            assert!(
+                pview.look_in_block(Some(&openings), &back).sees(camera.cell()),
+                "seed {seed}"
+            );
+            checked += 1;
+        }
+    }
+    assert!(checked > 1_000, "{checked}");
+}

@@ -46,6 +46,7 @@ mod landblock;
 mod load;
 mod loader;
 pub mod lscape;
+mod open_box;
 mod physics_bsp;
 mod polygon;
 mod position;

@@ -2,7 +2,9 @@
 
 use glam::Vec3;
 
-use crate::geometry::{Plane, Sphere};
+use crate::constants::EPSILON;
+use crate::geometry::{BoundingBox, Plane, Sphere};
+use crate::open_box::open_box;
 use crate::polygon::PolygonSet;
 
 /// Where a child of a node is.
@@ -97,6 +99,43 @@ pub struct FaceEdge {
     pub inward: Vec3,
 }
 
+/// The planes of four polygons side by side, so that a sphere is held against all four at once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PlaneQuad {
+    x: [f32; 4],
+    y: [f32; 4],
+    z: [f32; 4],
+    d: [f32; 4],
+    /// Positions in the faces.
+    faces: [u32; 4],
+}
+
+impl PlaneQuad {
+    /// Planes that nothing is near.
+    const EMPTY: PlaneQuad = PlaneQuad {
+        x: [0.0; 4],
+        y: [0.0; 4],
+        z: [0.0; 4],
+        d: [f32::INFINITY; 4],
+        faces: [0; 4],
+    };
+
+    /// Which planes are within `reach` of `p`; the same arithmetic as [`Plane::dist`], lane by lane.
+    #[inline]
+    fn near(&self, p: Vec3, reach: f32) -> u32 {
+        let mut bits = 0;
+        for k in 0..4 {
+            let dist = self.x[k] * p.x + self.y[k] * p.y + self.z[k] * p.z + self.d[k];
+            let far = reach < dist.abs();
+            bits |= u32::from(!far) << k;
+        }
+        bits
+    }
+}
+
+/// Trees with more polygons than this are only ever walked.
+const MAX_SCANNED_FACES: usize = 96;
+
 /// A physics tree with the polygons it refers to; one per model or cell structure, shared by all that place it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhysicsBsp {
@@ -107,6 +146,13 @@ pub struct PhysicsBsp {
     faces: Box<[Face]>,
     edges: Box<[FaceEdge]>,
     polygons: PolygonSet,
+    /// All faces, each polygon once; `None` for large trees.
+    quads: Option<Box<[PlaneQuad]>>,
+    /// How many of `quads` hold the faces that look up, which come first.
+    up_quads: usize,
+    /// No polygon enters this box; empty (inside out) when there is none.
+    open: BoundingBox,
+    has_solid_leaf: bool,
 }
 
 impl PhysicsBsp {
@@ -151,7 +197,23 @@ impl PhysicsBsp {
                 polygon: index,
             });
         }
+        let (quads, up_quads) = plane_quads(&faces);
+        let boxes: Vec<BoundingBox> = faces
+            .iter()
+            .filter_map(|f| {
+                BoundingBox::of(
+                    polygons
+                        .vertices(polygons.get(f.polygon as usize)?)
+                        .iter()
+                        .copied(),
+                )
+            })
+            .collect();
         PhysicsBsp {
+            quads,
+            up_quads,
+            open: open_box(&boxes).unwrap_or(NO_BOX),
+            has_solid_leaf: leaves.iter().any(|l| l.solid && l.count != 0),
             root,
             nodes: nodes.into(),
             leaves: leaves.into(),
@@ -195,6 +257,55 @@ impl PhysicsBsp {
             .unwrap_or(&[])
     }
 
+    /// Whether a sphere certainly overlaps no polygon, by the tolerance of sphere tests: it lies in open space. A
+    /// sphere that rests on a floor does.
+    #[inline]
+    pub fn certainly_clear(&self, center: Vec3, radius: f32) -> bool {
+        // An overlap must be deeper than epsilon; rounding is far below the rest.
+        let r = radius - 0.75 * EPSILON;
+        let BoundingBox { min, max } = &self.open;
+        let inside = (center.x - r > min.x)
+            & (center.x + r < max.x)
+            & (center.y - r > min.y)
+            & (center.y + r < max.y)
+            & (center.z - r > min.z)
+            & (center.z + r < max.z);
+        inside
+    }
+
+    /// Whether some polygon whose plane is within `reach` of `center` passes `test`. With `only_up` polygons that
+    /// hardly look up (normal z under 0.05) may be left out. `None` when the tree is too large for that to be
+    /// quicker than a walk.
+    #[inline]
+    pub fn any_face_near<'b>(
+        &'b self,
+        center: Vec3,
+        reach: f32,
+        only_up: bool,
+        mut test: impl FnMut(&'b Face) -> bool,
+    ) -> Option<bool> {
+        let quads = self.quads.as_ref()?;
+        let count = if only_up { self.up_quads } else { quads.len() };
+        for quad in quads.get(..count).unwrap_or(quads) {
+            let mut near = quad.near(center, reach);
+            while near != 0 {
+                let k = near.trailing_zeros() as usize;
+                near &= near - 1;
+                let face = quad.faces.get(k).and_then(|&i| self.faces.get(i as usize));
+                if face.is_some_and(&mut test) {
+                    return Some(true);
+                }
+            }
+        }
+        Some(false)
+    }
+
+    /// Whether some leaf with polygons is solid.
+    #[inline]
+    pub fn has_solid_leaf(&self) -> bool {
+        self.has_solid_leaf
+    }
+
     /// The polygons, owner-local coordinates.
     pub fn polygons(&self) -> &PolygonSet {
         &self.polygons
@@ -208,6 +319,39 @@ impl PhysicsBsp {
             ChildKind::Leaf(i) => self.leaves.get(i).map(|l| l.sphere),
         }
     }
+}
+
+/// A box that holds nothing.
+const NO_BOX: BoundingBox = BoundingBox {
+    min: Vec3::INFINITY,
+    max: Vec3::NEG_INFINITY,
+};
+
+/// Faces whose normal z is at least this look up.
+const LOOKS_UP: f32 = 0.05;
+
+/// Each polygon's plane once, in groups of four, those that look up first; and how many groups those fill.
+fn plane_quads(faces: &[Face]) -> (Option<Box<[PlaneQuad]>>, usize) {
+    let mut seen = std::collections::BTreeSet::new();
+    let mut order: Vec<usize> = (0..faces.len())
+        .filter(|&i| faces[i].edge_count != 0 && seen.insert(faces[i].polygon))
+        .collect();
+    if order.len() > MAX_SCANNED_FACES {
+        return (None, 0);
+    }
+    let looks_up = |i: &usize| faces[*i].plane.normal.z >= LOOKS_UP;
+    order.sort_by_key(|i| !looks_up(i));
+    let up = order.iter().take_while(|i| looks_up(i)).count();
+    let quads = order.chunks(4).map(|chunk| {
+        let mut quad = PlaneQuad::EMPTY;
+        for (k, &i) in chunk.iter().enumerate() {
+            let Plane { normal, d } = faces[i].plane;
+            (quad.x[k], quad.y[k], quad.z[k], quad.d[k]) = (normal.x, normal.y, normal.z, d);
+            quad.faces[k] = i as u32;
+        }
+        quad
+    });
+    (Some(quads.collect()), up.div_ceil(4))
 }
 
 #[cfg(test)]

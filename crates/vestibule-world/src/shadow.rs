@@ -1,8 +1,11 @@
 //! Shadow lists: which static objects each cell holds or is reached by (`world.md` 14).
 
+use glam::Vec3;
+
 use crate::cell_array::CellArray;
 use crate::find_cell_list::find_cell_list_of_cylspheres;
-use crate::ids::{BlockId, CellId};
+use crate::geometry::Sphere;
+use crate::ids::{BlockId, CellId, block_offset};
 use crate::landblock::{LAND_CELLS, Landblock};
 use crate::position::Position;
 use crate::shape::{StaticObject, StaticRef};
@@ -16,27 +19,43 @@ pub struct ShadowLists {
     /// Start of each cell's range in `refs`: 64 land cells, then the env cells; one more entry than cells.
     starts: Box<[u32]>,
     refs: Box<[StaticRef]>,
+    /// How far each of `refs` reaches, in the frame of the lists' landblock.
+    reaches: Box<[Sphere]>,
 }
 
 impl ShadowLists {
     /// The static objects found in a cell of this block.
     #[inline]
     pub fn of(&self, cell: CellId) -> &[StaticRef] {
-        let Some(slot) = slot(cell) else { return &[] };
+        self.refs.get(self.range(cell)).unwrap_or(&[])
+    }
+
+    /// As [`ShadowLists::of`], with a sphere that holds all of each object that can be run into, in the frame of
+    /// the lists' landblock. A radius below zero: nothing can.
+    #[inline]
+    pub fn with_reaches(&self, cell: CellId) -> impl Iterator<Item = (StaticRef, &Sphere)> {
+        let range = self.range(cell);
+        let refs = self.refs.get(range.clone()).unwrap_or(&[]);
+        refs.iter().copied().zip(self.reaches.get(range).unwrap_or(&[]))
+    }
+
+    #[inline]
+    fn range(&self, cell: CellId) -> core::ops::Range<usize> {
+        let Some(slot) = slot(cell) else { return 0..0 };
         match (self.starts.get(slot), self.starts.get(slot + 1)) {
-            (Some(&a), Some(&b)) => self.refs.get(a as usize..b as usize).unwrap_or(&[]),
-            _ => &[],
+            (Some(&a), Some(&b)) => a as usize..b as usize,
+            _ => 0..0,
         }
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&*self.starts) + size_of_val(&*self.refs)
+        size_of_val(&*self.starts) + size_of_val(&*self.refs) + size_of_val(&*self.reaches)
     }
 
     /// Builds the lists of `block` from its own statics and those of the blocks around it.
     pub(crate) fn build(world: &World, block: &Landblock) -> Self {
         let cells = LAND_CELLS + block.env_cells.len();
-        let mut found: Vec<(usize, StaticRef)> = Vec::new();
+        let mut found: Vec<(usize, StaticRef, Sphere)> = Vec::new();
         for dx in -1..=1 {
             for dy in -1..=1 {
                 let Some(id) = block.id.neighbour(dx, dy) else {
@@ -49,18 +68,22 @@ impl ShadowLists {
                 };
                 let Some(near) = near else { continue };
                 let reach = near.reach(world);
+                let offset = block_offset(block.id, id);
                 let entries = if own { &reach.own } else { &reach.foreign };
-                for &(cell, index) in entries.iter().filter(|(cell, _)| cell.block() == block.id) {
-                    if let Some(slot) = slot(cell).filter(|&s| s < cells) {
-                        found.push((slot, StaticRef { block: id, index }));
+                for entry in entries.iter().filter(|entry| entry.cell.block() == block.id) {
+                    if let Some(slot) = slot(entry.cell).filter(|&s| s < cells) {
+                        let index = entry.index;
+                        let mut sphere = entry.sphere;
+                        sphere.center += offset;
+                        found.push((slot, StaticRef { block: id, index }, sphere));
                     }
                 }
             }
         }
         // Stable: keeps the order of entry within a cell.
-        found.sort_by_key(|&(slot, _)| slot);
+        found.sort_by_key(|&(slot, ..)| slot);
         let mut starts = vec![0u32; cells + 1];
-        for &(slot, _) in &found {
+        for &(slot, ..) in &found {
             if let Some(count) = starts.get_mut(slot + 1) {
                 *count += 1;
             }
@@ -70,7 +93,8 @@ impl ShadowLists {
         }
         ShadowLists {
             starts: starts.into(),
-            refs: found.into_iter().map(|(_, r)| r).collect(),
+            refs: found.iter().map(|&(_, r, _)| r).collect(),
+            reaches: found.iter().map(|&(.., reach)| reach).collect(),
         }
     }
 }
@@ -79,9 +103,19 @@ impl ShadowLists {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Reach {
     /// Cells of the landblock itself.
-    own: Box<[(CellId, u32)]>,
+    own: Box<[Reached]>,
     /// Cells of other landblocks.
-    foreign: Box<[(CellId, u32)]>,
+    foreign: Box<[Reached]>,
+}
+
+/// A cell that a static object occupies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Reached {
+    cell: CellId,
+    /// Position of the object among the landblock's.
+    index: u32,
+    /// Holds all of the object that can be run into, in the frame of its landblock.
+    sphere: Sphere,
 }
 
 impl Reach {
@@ -94,13 +128,18 @@ impl Reach {
                 continue;
             }
             calc_cross_cells_static(world, object, &mut array);
+            let sphere = reach_of(object);
             for entry in array.entries() {
                 let list = if entry.id.block() == block.id {
                     &mut own
                 } else {
                     &mut foreign
                 };
-                list.push((entry.id, index));
+                list.push(Reached {
+                    cell: entry.id,
+                    index,
+                    sphere,
+                });
             }
         }
         Reach {
@@ -111,12 +150,56 @@ impl Reach {
 
     /// Whether an object reaches, or would reach, a cell of another landblock.
     pub(crate) fn touches(&self, block: BlockId) -> bool {
-        self.foreign.iter().any(|(cell, _)| cell.block() == block)
+        self.foreign.iter().any(|entry| entry.cell.block() == block)
     }
 
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.own) + size_of_val(&*self.foreign)
     }
+}
+
+/// A sphere that holds all of an object that can be run into, in the frame of its landblock.
+fn reach_of(object: &StaticObject) -> Sphere {
+    let shape = &object.shape;
+    let mut spheres: Vec<Sphere> = Vec::new();
+    if shape.has_physics_bsp {
+        for (part, frame) in shape.parts.iter().zip(&object.part_frames) {
+            if let Some(bound) = part.model.as_ref().and_then(|m| m.physics_sphere) {
+                let scale = part.scale.z;
+                let center = frame.local_to_global(bound.center * scale);
+                // Slack of 0.03 for the tolerance of the part's own test, at its scale.
+                let slack = if scale.abs() > 1.0 {
+                    0.03 * scale.abs()
+                } else {
+                    0.03
+                };
+                spheres.push(Sphere::new(center, bound.radius * scale.abs() + slack));
+            }
+        }
+    } else if !shape.cylspheres.is_empty() {
+        for c in &shape.cylspheres {
+            let half = c.height / 2.0;
+            let center = object.frame.local_to_global(c.low_point) + Vec3::new(0.0, 0.0, half);
+            spheres.push(Sphere::new(
+                center,
+                libm::sqrtf(c.radius * c.radius + half * half),
+            ));
+        }
+    } else {
+        let place = |s: &Sphere| Sphere::new(object.frame.local_to_global(s.center), s.radius);
+        spheres.extend(shape.spheres.iter().map(place));
+    }
+    let Some(first) = spheres.first() else {
+        return Sphere::new(object.frame.origin, -1.0);
+    };
+    let center = first.center;
+    let mut radius = 0.0;
+    for s in &spheres {
+        let between = s.center - center;
+        let far = libm::sqrtf(between.dot(between)) + s.radius;
+        radius = if far > radius { far } else { radius };
+    }
+    Sphere::new(center, radius + 0.02)
 }
 
 /// Position of a cell in the lists of its block.

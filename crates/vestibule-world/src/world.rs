@@ -175,13 +175,19 @@ impl World {
     /// Static objects found in a cell, its shadow list (`world.md` 14), in retail's order.
     #[inline]
     pub fn statics_in(&self, cell: CellId) -> &[StaticRef] {
-        let Some(block) = self.block(cell.block()) else {
-            return &[];
-        };
-        block
-            .shadows
-            .get_or_init(|| ShadowLists::build(self, block))
-            .of(cell)
+        match self.block(cell.block()) {
+            Some(block) => self.shadow_lists(block).of(cell),
+            None => &[],
+        }
+    }
+
+    /// The shadow lists of a landblock of this world.
+    #[inline]
+    pub fn shadow_lists<'w>(&'w self, block: &'w Landblock) -> &'w ShadowLists {
+        match block.shadows.get() {
+            Some(lists) => lists,
+            None => block.shadows.get_or_init(|| ShadowLists::build(self, block)),
+        }
     }
 
     /// The static object a reference names.

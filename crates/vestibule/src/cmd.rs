@@ -1,10 +1,12 @@
 //! The subcommands, one a file.
 
+mod build;
 mod conform;
 mod dat;
 mod id;
 mod inspect;
 mod ls;
+mod map;
 mod place;
 mod refs;
 mod tour;
@@ -19,6 +21,8 @@ pub(crate) enum Command {
     Inspect(inspect::Args),
     Ls(ls::Args),
     Refs(refs::Args),
+    Map(map::Args),
+    Build(build::Args),
     #[command(subcommand)]
     Dat(dat::Command),
     Conform(conform::Args),
@@ -32,6 +36,8 @@ impl Command {
             Command::Inspect(args) => inspect::run(args, context),
             Command::Ls(args) => ls::run(args, context),
             Command::Refs(args) => refs::run(args, context),
+            Command::Build(args) => build::run(args, context),
+            Command::Map(args) => map::run(args, context),
             Command::Dat(command) => command.run(context),
             Command::Conform(args) => conform::run(args, context),
         }

@@ -28,12 +28,15 @@
 #![forbid(unsafe_code)]
 
 pub use vestibule_dat as dat;
+pub use vestibule_forge as forge;
 pub use vestibule_physics as physics;
+pub use vestibule_view as view;
 pub use vestibule_world as world;
 
 pub mod conform;
 pub mod describe;
 pub mod locate;
+pub mod map_svg;
 mod open;
 pub mod references;
 pub mod route;
@@ -42,3 +45,8 @@ pub mod tour;
 pub mod walker;
 
 pub use open::{EMBEDDED_NAME, OpenError, open_dats, open_world};
+
+/// `1 cell`, `2 cells`.
+fn count(n: usize, what: &str) -> String {
+    if n == 1 { format!("{n} {what}") } else { format!("{n} {what}s") }
+}

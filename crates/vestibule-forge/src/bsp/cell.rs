@@ -28,6 +28,12 @@ pub fn cell_bsp(planes: &[Plane]) -> BspTree {
             polys: Vec::new(),
         })
         .collect();
-    nodes.push(BspNode::Leaf { index: 0, physics: None });
-    BspTree { kind: BspKind::Cell, nodes }
+    nodes.push(BspNode::Leaf {
+        index: 0,
+        physics: None,
+    });
+    BspTree {
+        kind: BspKind::Cell,
+        nodes,
+    }
 }

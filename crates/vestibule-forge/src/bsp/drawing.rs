@@ -24,10 +24,22 @@ pub struct DrawingBsp {
 /// When there are too many polygons, or they need too deep a tree.
 pub fn drawing_bsp(polygons: &[Polygon], portals: &[Polygon]) -> Result<DrawingBsp, BspError> {
     check_count(polygons.len() + portals.len())?;
-    let mut builder = Builder { nodes: Vec::new(), pieces: Vec::new(), leaves: 1 };
-    let pieces = polygons.iter().cloned().enumerate().map(|(source, polygon)| Piece { source, polygon });
+    let mut builder = Builder {
+        nodes: Vec::new(),
+        pieces: Vec::new(),
+        leaves: 1,
+    };
+    let pieces = polygons
+        .iter()
+        .cloned()
+        .enumerate()
+        .map(|(source, polygon)| Piece { source, polygon });
     builder.node(pieces.collect(), portals.iter().enumerate().collect(), true, 1)?;
-    let Builder { mut nodes, pieces, leaves } = builder;
+    let Builder {
+        mut nodes,
+        pieces,
+        leaves,
+    } = builder;
     check_count(pieces.len() + portals.len())?;
     for node in &mut nodes {
         if let BspNode::Portal { portal_polys, .. } = node {
@@ -36,7 +48,14 @@ pub fn drawing_bsp(polygons: &[Polygon], portals: &[Polygon]) -> Result<DrawingB
             }
         }
     }
-    Ok(DrawingBsp { tree: BspTree { kind: BspKind::Drawing, nodes }, pieces, leaves })
+    Ok(DrawingBsp {
+        tree: BspTree {
+            kind: BspKind::Drawing,
+            nodes,
+        },
+        pieces,
+        leaves,
+    })
 }
 
 struct Builder {
@@ -68,7 +87,10 @@ impl Builder {
             self.nodes.push(BspNode::Leaf { index, physics: None });
             return Ok(());
         };
-        let points = polygons.iter().chain(&uncut).flat_map(|p| p.points.iter().copied());
+        let points = polygons
+            .iter()
+            .chain(&uncut)
+            .flat_map(|p| p.points.iter().copied());
         let sphere = Some(bounding_sphere(points));
         let (mut front, mut back, mut polys) = (Vec::new(), Vec::new(), Vec::new());
         for Piece { source, polygon } in pieces {
@@ -93,7 +115,10 @@ impl Builder {
             }
         }
         let at = self.nodes.len();
-        self.nodes.push(BspNode::Leaf { index: 0, physics: None });
+        self.nodes.push(BspNode::Leaf {
+            index: 0,
+            physics: None,
+        });
         let plane = stored(&plane);
         let has = |pieces: &[Piece], portals: &Portals<'_>| !pieces.is_empty() || !portals.is_empty();
         if portal_polys.is_empty() {
@@ -112,13 +137,27 @@ impl Builder {
                 (false, true) => BspTag::BP_LOWER_IN,
                 (false, false) => BspTag::BPOL,
             };
-            self.nodes[at] = BspNode::Inner { tag, plane, pos: pos_at, neg: neg_at, sphere, polys };
+            self.nodes[at] = BspNode::Inner {
+                tag,
+                plane,
+                pos: pos_at,
+                neg: neg_at,
+                sphere,
+                polys,
+            };
         } else {
             self.node(front, front_portals, true, depth + 1)?;
             let neg = self.nodes.len() as u32;
             self.node(back, back_portals, false, depth + 1)?;
             let pos = at as u32 + 1;
-            self.nodes[at] = BspNode::Portal { plane, pos, neg, sphere, polys, portal_polys };
+            self.nodes[at] = BspNode::Portal {
+                plane,
+                pos,
+                neg,
+                sphere,
+                polys,
+                portal_polys,
+            };
         }
         Ok(())
     }

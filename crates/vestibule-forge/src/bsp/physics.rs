@@ -36,17 +36,37 @@ pub fn physics_bsp(
     let items = polygons
         .iter()
         .enumerate()
-        .map(|(source, polygon)| Item { piece: Piece { source, polygon: polygon.clone() }, used: false })
+        .map(|(source, polygon)| Item {
+            piece: Piece {
+                source,
+                polygon: polygon.clone(),
+            },
+            used: false,
+        })
         .chain(closing.iter().map(|polygon| Item {
-            piece: Piece { source: CLOSING, polygon: polygon.clone() },
+            piece: Piece {
+                source: CLOSING,
+                polygon: polygon.clone(),
+            },
             used: false,
         }))
         .collect();
     let sphere = bounding_sphere(polygons.iter().flat_map(|p| p.points.iter().copied()));
-    let mut builder = Builder { nodes: Vec::new(), pieces: Vec::new(), leaves: 1, sphere };
+    let mut builder = Builder {
+        nodes: Vec::new(),
+        pieces: Vec::new(),
+        leaves: 1,
+        sphere,
+    };
     builder.node(items, hull, Region::Open, 1)?;
     check_count(builder.pieces.len())?;
-    Ok(PhysicsBsp { tree: BspTree { kind: BspKind::Physics, nodes: builder.nodes }, pieces: builder.pieces })
+    Ok(PhysicsBsp {
+        tree: BspTree {
+            kind: BspKind::Physics,
+            nodes: builder.nodes,
+        },
+        pieces: builder.pieces,
+    })
 }
 
 /// `Piece::source` of what only closes the surface.
@@ -92,7 +112,9 @@ impl Builder {
         if depth > BspTree::MAX_DEPTH {
             return Err(BspError::TooDeep);
         }
-        let needed = hull.iter().position(|h| items.iter().any(|i| i.piece.polygon.side(h) != Side::Front));
+        let needed = hull
+            .iter()
+            .position(|h| items.iter().any(|i| i.piece.polygon.side(h) != Side::Front));
         let (plane, hull, behind) = match needed {
             Some(k) => (hull[k], &hull[k + 1..], Region::Elsewhere),
             None => {
@@ -106,23 +128,40 @@ impl Builder {
         };
         let (mut front, mut back) = (Vec::new(), Vec::new());
         for item in items {
-            let Item { piece: Piece { source, polygon }, mut used } = item;
+            let Item {
+                piece: Piece { source, polygon },
+                mut used,
+            } = item;
             let parts = match polygon.side(&plane) {
                 Side::On => {
                     used = true;
                     // Behind it is where the plane's back is if both face the same way.
                     let same = polygon.plane.normal.dot(plane.normal) > 0.0;
-                    if same { (None, Some(polygon)) } else { (Some(polygon), None) }
+                    if same {
+                        (None, Some(polygon))
+                    } else {
+                        (Some(polygon), None)
+                    }
                 }
                 _ => polygon.split(&plane),
             };
-            let item = |polygon| Item { piece: Piece { source, polygon }, used };
+            let item = |polygon| Item {
+                piece: Piece { source, polygon },
+                used,
+            };
             front.extend(parts.0.map(item));
             back.extend(parts.1.map(item));
         }
         let at = self.nodes.len();
-        self.nodes.push(BspNode::Leaf { index: 0, physics: None });
-        let in_front = if behind == Region::Elsewhere { region } else { region.or_open() };
+        self.nodes.push(BspNode::Leaf {
+            index: 0,
+            physics: None,
+        });
+        let in_front = if behind == Region::Elsewhere {
+            region
+        } else {
+            region.or_open()
+        };
         let mut below = self.node(front, hull, in_front, depth + 1)?;
         let neg = self.nodes.len();
         let other = self.node(back, &[], behind, depth + 1)?;
@@ -134,7 +173,10 @@ impl Builder {
         let sphere = if below.solid {
             self.sphere
         } else {
-            let polygons = below.pieces.iter().map(|&id| &self.pieces[usize::from(id)].polygon);
+            let polygons = below
+                .pieces
+                .iter()
+                .map(|&id| &self.pieces[usize::from(id)].polygon);
             bounding_sphere(polygons.flat_map(|p| p.points.iter().copied()))
         };
         self.nodes[at] = BspNode::Inner {
@@ -150,38 +192,62 @@ impl Builder {
 
     fn leaf(&mut self, items: Vec<Item>, region: Region) -> Below {
         let first = self.pieces.len();
-        self.pieces.extend(items.into_iter().map(|item| item.piece).filter(|p| p.source != CLOSING));
+        self.pieces.extend(
+            items
+                .into_iter()
+                .map(|item| item.piece)
+                .filter(|p| p.source != CLOSING),
+        );
         let polys: Vec<u16> = (first..self.pieces.len()).map(|id| id as u16).collect();
-        let points = self.pieces[first..].iter().flat_map(|p| p.polygon.points.iter().copied());
+        let points = self.pieces[first..]
+            .iter()
+            .flat_map(|p| p.polygon.points.iter().copied());
         let sphere = bounding_sphere(points);
         let solid = region == Region::Solid;
         // By convention leaf 0 is the solid one.
         let index = if solid { 0 } else { self.leaves };
         self.leaves += i32::from(!solid);
-        let physics = BspLeafPhysics { solid: u32::from(solid), sphere, polys: polys.clone() };
-        self.nodes.push(BspNode::Leaf { index, physics: Some(physics) });
+        let physics = BspLeafPhysics {
+            solid: u32::from(solid),
+            sphere,
+            polys: polys.clone(),
+        };
+        self.nodes.push(BspNode::Leaf {
+            index,
+            physics: Some(physics),
+        });
         Below { pieces: polys, solid }
     }
 
     /// A solid leaf deep inside an object has no polygon of its own, and would not count as solid without one:
     /// it gets one of its sibling's.
     fn mark_solid(&mut self, leaf: usize, sibling: &[u16]) {
-        if let Some(BspNode::Leaf { physics: Some(leaf), .. }) = self.nodes.get_mut(leaf) {
-            if let (true, true, Some(&id)) = (leaf.solid != 0, leaf.polys.is_empty(), sibling.first()) {
-                leaf.polys.push(id);
-                let points = self.pieces[usize::from(id)].polygon.points.iter().copied();
-                leaf.sphere = bounding_sphere(points);
-            }
+        if let Some(BspNode::Leaf {
+            physics: Some(leaf), ..
+        }) = self.nodes.get_mut(leaf)
+            && let (true, true, Some(&id)) = (leaf.solid != 0, leaf.polys.is_empty(), sibling.first())
+        {
+            leaf.polys.push(id);
+            let points = self.pieces[usize::from(id)].polygon.points.iter().copied();
+            leaf.sphere = bounding_sphere(points);
         }
     }
 }
 
 impl Region {
     fn or_solid(self) -> Self {
-        if self == Region::Elsewhere { self } else { Region::Solid }
+        if self == Region::Elsewhere {
+            self
+        } else {
+            Region::Solid
+        }
     }
 
     fn or_open(self) -> Self {
-        if self == Region::Elsewhere { self } else { Region::Open }
+        if self == Region::Elsewhere {
+            self
+        } else {
+            Region::Open
+        }
     }
 }

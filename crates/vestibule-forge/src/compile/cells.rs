@@ -74,7 +74,11 @@ const LEAST_OPENING: f64 = 1.0e-3;
 
 impl SiteCells {
     pub(crate) fn build(site: &SiteDef, messages: &mut Messages) -> SiteCells {
-        let mut out = SiteCells { cells: Vec::new(), shell: Vec::new(), shell_holes: Vec::new() };
+        let mut out = SiteCells {
+            cells: Vec::new(),
+            shell: Vec::new(),
+            shell_holes: Vec::new(),
+        };
         for (room, def) in site.rooms.iter().enumerate() {
             out.add_room(room, def, messages);
         }
@@ -95,7 +99,9 @@ impl SiteCells {
         } else if let Some(exit) = site.exits.first() {
             let message = format!("`{}` has no shell for its exits to lie in", site.name.text);
             let help = match site.kind {
-                Kind::Building => "add `shell { … }`: the outside of the building, with a face in the plane of each exit",
+                Kind::Building => {
+                    "add `shell { … }`: the outside of the building, with a face in the plane of each exit"
+                }
                 Kind::Dungeon(_) => "a dungeon has no outside: remove the exit, or make it a building",
             };
             messages.error(exit.span, message, help);
@@ -106,10 +112,23 @@ impl SiteCells {
     fn add_room(&mut self, room: usize, def: &RoomDef, messages: &mut Messages) {
         let parts = cells_of(&def.name, &def.solids, &def.paint, messages);
         for (k, part) in parts.into_iter().enumerate() {
-            let Some(space) = part.mapped(|p| def.place.to_outer(p)) else { continue };
-            let name = if k == 0 { def.name.text.clone() } else { format!("{}.{}", def.name.text, k + 1) };
+            let Some(space) = part.mapped(|p| def.place.to_outer(p)) else {
+                continue;
+            };
+            let name = if k == 0 {
+                def.name.text.clone()
+            } else {
+                format!("{}.{}", def.name.text, k + 1)
+            };
             let (span, place) = (def.name.span, def.place);
-            self.cells.push(Cell { room, name, span, space, place, holes: Vec::new() });
+            self.cells.push(Cell {
+                room,
+                name,
+                span,
+                space,
+                place,
+                holes: Vec::new(),
+            });
         }
     }
 
@@ -134,7 +153,16 @@ impl SiteCells {
         let at = [self.cells[a.0].holes.len(), self.cells[b.0].holes.len()];
         let hole = |face, polygon, to, partner| {
             let (to, partner) = (Target::Cell(to), Some(partner));
-            Hole { span, face, polygon, to, partner, cut: None, exact: true, pane: false }
+            Hole {
+                span,
+                face,
+                polygon,
+                to,
+                partner,
+                cut: None,
+                exact: true,
+                pane: false,
+            }
         };
         let back = polygon.flipped();
         self.cells[a.0].holes.push(hole(a.1, polygon, b.0, at[1]));
@@ -147,9 +175,17 @@ impl SiteCells {
             let names = site.rooms.iter().map(|r| r.name.text.as_str());
             let help = match closest(&name.text, names.clone()) {
                 Some(best) => format!("did you mean `{best}`?"),
-                None => format!("rooms of `{}`: {}", site.name.text, names.collect::<Vec<_>>().join(", ")),
+                None => format!(
+                    "rooms of `{}`: {}",
+                    site.name.text,
+                    names.collect::<Vec<_>>().join(", ")
+                ),
             };
-            messages.error(name.span, format!("`{}` has no room `{}`", site.name.text, name.text), help);
+            messages.error(
+                name.span,
+                format!("`{}` has no room `{}`", site.name.text, name.text),
+                help,
+            );
         }
         found
     }
@@ -157,36 +193,52 @@ impl SiteCells {
     fn link(&mut self, site: &SiteDef, link: &Link, messages: &mut Messages) {
         let from = Self::room_named(site, &link.from, messages);
         let to = Self::room_named(site, &link.to, messages);
-        let (Some(from), Some(to)) = (from, to) else { return };
-        if from == to {
-            messages.error(link.span, "this opening leads from a room to itself", "name two rooms");
+        let (Some(from), Some(to)) = (from, to) else {
             return;
+        };
+        if from == to {
+            messages.error(
+                link.span,
+                "this opening leads from a room to itself",
+                "name two rooms",
+            );
+            return;
+        }
+        if self.of_room(from).next().is_none() || self.of_room(to).next().is_none() {
+            return; // What is wrong with that room has been said.
         }
         let mut found = Vec::new();
         for a in self.of_room(from) {
             for b in self.of_room(to) {
                 let shared = shared_faces(&self.cells[a], &self.cells[b], &link.opening);
-                found.extend(shared.into_iter().map(|(fa, fb, polygon)| ((a, fa), (b, fb), polygon)));
+                found.extend(
+                    shared
+                        .into_iter()
+                        .map(|(fa, fb, polygon)| ((a, fa), (b, fb), polygon)),
+                );
             }
         }
         let opened: f64 = found.iter().map(|(.., p)| p.area()).sum();
         if opened < LEAST_OPENING {
-            let message = format!("the rooms `{}` and `{}` do not touch here", link.from.text, link.to.text);
+            let message = format!(
+                "the rooms `{}` and `{}` do not touch here",
+                link.from.text, link.to.text
+            );
             messages.error(link.span, message, self.gap_help(from, to, &link.opening));
             return;
         }
-        if let Opening::Polygon(wanted) = &link.opening {
-            if opened < 0.999 * wanted.area() {
-                let message = format!(
-                    "only {:.0} % of this opening lies in a wall that `{}` and `{}` share",
-                    100.0 * opened / wanted.area(),
-                    link.from.text,
-                    link.to.text
-                );
-                let help = "shrink it, or leave the shape out to open all that the rooms share";
-                messages.error(link.span, message, help);
-                return;
-            }
+        if let Opening::Polygon(wanted) = &link.opening
+            && opened < 0.999 * wanted.area()
+        {
+            let message = format!(
+                "only {:.0} % of this opening lies in a wall that `{}` and `{}` share",
+                100.0 * opened / wanted.area(),
+                link.from.text,
+                link.to.text
+            );
+            let help = "shrink it, or leave the shape out to open all that the rooms share";
+            messages.error(link.span, message, help);
+            return;
         }
         for (a, b, polygon) in found {
             self.connect(link.span, a, b, polygon);
@@ -204,10 +256,10 @@ impl SiteCells {
                         let slid = g.points.iter().map(|p| *p - f.plane.normal * gap).rev().collect();
                         let over = Polygon::new(slid).and_then(|slid| f.intersection(&slid));
                         let parallel = f.plane.normal.dot(g.plane.normal) < -0.999_99;
-                        if let (true, Some(over)) = (parallel, over) {
-                            if best.is_none_or(|(g, _)| gap.abs() < g.abs()) {
-                                best = Some((gap, over.center()));
-                            }
+                        if let (true, Some(over)) = (parallel, over)
+                            && best.is_none_or(|(g, _)| gap.abs() < g.abs())
+                        {
+                            best = Some((gap, over.center()));
                         }
                     }
                 }
@@ -223,7 +275,9 @@ impl SiteCells {
                 gap.abs(),
                 if gap > 0.0 { "apart" } else { "inside each other" }
             ),
-            (None, _) => "no wall of one faces a wall of the other; put a room for the passage between them".to_owned(),
+            (None, _) => {
+                "no wall of one faces a wall of the other; put a room for the passage between them".to_owned()
+            }
         }
     }
 
@@ -233,7 +287,9 @@ impl SiteCells {
         for link in site.links.iter().filter(|l| l.one_way) {
             let from = Self::room_named(site, &link.from, messages);
             let to = Self::room_named(site, &link.to, messages);
-            let (Some(from), Some(to)) = (from, to) else { continue };
+            let (Some(from), Some(to)) = (from, to) else {
+                continue;
+            };
             let Some((cell, face, polygon)) = self.face_holding(from, &link.opening, to) else {
                 let message = format!("this portal does not lie in a wall of `{}`", link.from.text);
                 let help = "all of it must lie in one wall of the room it leads out of";
@@ -243,13 +299,27 @@ impl SiteCells {
             let behind = polygon.center() + polygon.plane.normal * 0.01;
             let other = self.of_room(to).min_by(|&a, &b| {
                 let outside = |k: usize| {
-                    self.cells[k].space.faces.iter().map(|f| f.polygon.plane.dist(behind)).fold(f64::MIN, f64::max)
+                    self.cells[k]
+                        .space
+                        .faces
+                        .iter()
+                        .map(|f| f.polygon.plane.dist(behind))
+                        .fold(f64::MIN, f64::max)
                 };
                 outside(a).total_cmp(&outside(b))
             });
             let Some(other) = other else { continue };
             let to = Target::Cell(other);
-            let hole = Hole { span: link.span, face, polygon, to, partner: None, cut: None, exact: false, pane: false };
+            let hole = Hole {
+                span: link.span,
+                face,
+                polygon,
+                to,
+                partner: None,
+                cut: None,
+                exact: false,
+                pane: false,
+            };
             made.push((cell, self.cells[cell].holes.len(), other, link));
             self.cells[cell].holes.push(hole);
         }
@@ -261,7 +331,10 @@ impl SiteCells {
                 *c == other && *o == cell && facing && there.center().distance(here.center()) < 1.0
             });
             let Some(&(_, back, ..)) = partner else {
-                let message = format!("a one-way portal: `{}` leads to `{}`, nothing leads back", link.from.text, link.to.text);
+                let message = format!(
+                    "a one-way portal: `{}` leads to `{}`, nothing leads back",
+                    link.from.text, link.to.text
+                );
                 let help = format!(
                     "add `portal {} {} …` with the opening on the other side, or write `opening` instead of `portal`",
                     link.to.text, link.from.text
@@ -282,10 +355,15 @@ impl SiteCells {
     fn face_holding(&self, room: usize, opening: &Opening, to: usize) -> Option<(usize, usize, Polygon)> {
         match opening {
             Opening::Polygon(wanted) => self.of_room(room).find_map(|cell| {
-                self.cells[cell].space.faces.iter().enumerate().find_map(|(k, f)| {
-                    let part = in_face(&f.polygon, wanted)?;
-                    (part.area() > 0.999 * wanted.area()).then_some((cell, k, part))
-                })
+                self.cells[cell]
+                    .space
+                    .faces
+                    .iter()
+                    .enumerate()
+                    .find_map(|(k, f)| {
+                        let part = in_face(&f.polygon, wanted)?;
+                        (part.area() > 0.999 * wanted.area()).then_some((cell, k, part))
+                    })
             }),
             Opening::Shared => self.of_room(room).find_map(|a| {
                 self.of_room(to).find_map(|b| {
@@ -297,8 +375,16 @@ impl SiteCells {
     }
 
     /// Opens a room to the outside, through a face of the shell.
-    fn exit(&mut self, site: &SiteDef, exit: &crate::scene::Exit, solids: &[Polytope], messages: &mut Messages) {
-        let Some(room) = Self::room_named(site, &exit.from, messages) else { return };
+    fn exit(
+        &mut self,
+        site: &SiteDef,
+        exit: &crate::scene::Exit,
+        solids: &[Polytope],
+        messages: &mut Messages,
+    ) {
+        let Some(room) = Self::room_named(site, &exit.from, messages) else {
+            return;
+        };
         let mut found = Vec::new();
         for cell in self.of_room(room) {
             for (k, face) in self.cells[cell].space.faces.iter().enumerate() {
@@ -306,12 +392,16 @@ impl SiteCells {
                     if !face.polygon.plane.same_as(&outer.polygon.plane) {
                         continue;
                     }
-                    let Some(shared) = face.polygon.intersection(&outer.polygon) else { continue };
+                    let Some(shared) = face.polygon.intersection(&outer.polygon) else {
+                        continue;
+                    };
                     let part = match &exit.opening {
                         Opening::Shared => Some(shared),
                         Opening::Polygon(wanted) => in_face(&shared, wanted),
                     };
-                    let Some(part) = part.filter(|p| p.area() > LEAST_OPENING) else { continue };
+                    let Some(part) = part.filter(|p| p.area() > LEAST_OPENING) else {
+                        continue;
+                    };
                     let seen: f64 = self
                         .shell
                         .iter()
@@ -329,8 +419,10 @@ impl SiteCells {
             }
         }
         if found.is_empty() {
-            let message =
-                format!("the exit of `{}` is on no face of the shell: the building's portal has no polygon", exit.from.text);
+            let message = format!(
+                "the exit of `{}` is on no face of the shell: the building's portal has no polygon",
+                exit.from.text
+            );
             let help = "let the outer wall of the room lie in a face of the shell, facing the same way, not hidden by another part of it";
             messages.error(exit.span, message, help);
             return;
@@ -339,16 +431,37 @@ impl SiteCells {
             let area: f64 = found.iter().map(|(.., p)| p.area()).sum();
             if area < 0.999 * wanted.area() {
                 let share = 100.0 * area / wanted.area();
-                let message = format!("only {share:.0} % of this exit lies in a wall of `{}` and in the shell", exit.from.text);
-                messages.error(exit.span, message, "shrink it, or leave the shape out to open all that they share");
+                let message = format!(
+                    "only {share:.0} % of this exit lies in a wall of `{}` and in the shell",
+                    exit.from.text
+                );
+                messages.error(
+                    exit.span,
+                    message,
+                    "shrink it, or leave the shape out to open all that they share",
+                );
                 return;
             }
         }
         for (cell, face, polygon) in found {
             let hole = self.cells[cell].holes.len();
             let (span, pane, to) = (exit.span, exit.pane, Target::Outside(self.shell_holes.len()));
-            self.shell_holes.push(ShellHole { polygon: polygon.clone(), cell, hole, pane });
-            self.cells[cell].holes.push(Hole { span, face, polygon, to, partner: None, cut: None, exact: true, pane });
+            self.shell_holes.push(ShellHole {
+                polygon: polygon.clone(),
+                cell,
+                hole,
+                pane,
+            });
+            self.cells[cell].holes.push(Hole {
+                span,
+                face,
+                polygon,
+                to,
+                partner: None,
+                cut: None,
+                exact: true,
+                pane,
+            });
         }
     }
 }
@@ -364,7 +477,11 @@ fn in_face(face: &Polygon, wanted: &Polygon) -> Option<Polygon> {
         return None;
     }
     // Onto the very plane of the face.
-    let points = wanted.points.iter().map(|p| *p - face.plane.normal * face.plane.dist(*p)).collect();
+    let points = wanted
+        .points
+        .iter()
+        .map(|p| *p - face.plane.normal * face.plane.dist(*p))
+        .collect();
     Polygon::in_plane(points, face.plane)?.intersection(face)
 }
 
@@ -380,11 +497,18 @@ fn shared_faces(a: &Cell, b: &Cell, opening: &Opening) -> Vec<(usize, usize, Pol
             if !f.polygon.meets(&g.polygon) {
                 continue;
             }
-            let shared = f.polygon.intersection(&g.polygon).and_then(|shared| match opening {
-                Opening::Shared => Some(shared),
-                Opening::Polygon(wanted) => in_face(&shared, wanted),
-            });
-            out.extend(shared.filter(|p| p.area() > LEAST_OPENING).map(|polygon| (i, j, polygon)));
+            let shared = f
+                .polygon
+                .intersection(&g.polygon)
+                .and_then(|shared| match opening {
+                    Opening::Shared => Some(shared),
+                    Opening::Polygon(wanted) => in_face(&shared, wanted),
+                });
+            out.extend(
+                shared
+                    .filter(|p| p.area() > LEAST_OPENING)
+                    .map(|polygon| (i, j, polygon)),
+            );
         }
     }
     out

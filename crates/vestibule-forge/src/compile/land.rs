@@ -63,7 +63,11 @@ impl Land {
         for op in &scene.terrain {
             land.apply(op, messages);
         }
-        land.index = land.heights.iter().map(|h| (h / land.step).round().clamp(0.0, 255.0) as u8).collect();
+        land.index = land
+            .heights
+            .iter()
+            .map(|h| (h / land.step).round().clamp(0.0, 255.0) as u8)
+            .collect();
         land
     }
 
@@ -159,7 +163,10 @@ impl Land {
                 let (x, y) = (k as i32 / self.size.y, k as i32 % self.size.y);
                 let neighbours = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
                 let steep = |n: usize| (self.heights[n] - self.heights[k]).abs() / SQUARE > *slope;
-                neighbours.into_iter().filter_map(|(x, y)| self.at(x, y)).any(steep)
+                neighbours
+                    .into_iter()
+                    .filter_map(|(x, y)| self.at(x, y))
+                    .any(steep)
             }
             Area::Patches(share, seed) => {
                 let patchy = value_noise(p / 60.0, *seed) * 0.5 + 0.5;
@@ -170,7 +177,8 @@ impl Land {
 
     fn height(&self, x: i32, y: i32) -> f64 {
         let (x, y) = (x.clamp(0, self.size.x - 1), y.clamp(0, self.size.y - 1));
-        self.at(x, y).map_or(0.0, |k| f64::from(self.index[k]) * self.step)
+        self.at(x, y)
+            .map_or(0.0, |k| f64::from(self.index[k]) * self.step)
     }
 
     /// Whether a place lies over the land.
@@ -187,7 +195,10 @@ impl Land {
         let (x, y) = (x as i32, y as i32);
         let (sw, se) = (self.height(x, y), self.height(x + 1, y));
         let (ne, nw) = (self.height(x + 1, y + 1), self.height(x, y + 1));
-        match split_direction(LandCoord { x: self.corner.x + x, y: self.corner.y + y }) {
+        match split_direction(LandCoord {
+            x: self.corner.x + x,
+            y: self.corner.y + y,
+        }) {
             Split::SwNe if tx > ty => sw + (se - sw) * tx + (ne - se) * ty,
             Split::SwNe => sw + (ne - nw) * tx + (nw - sw) * ty,
             Split::SeNw if tx + ty <= 1.0 => sw + (se - sw) * tx + (nw - sw) * ty,
@@ -198,7 +209,10 @@ impl Land {
     /// The landblock over which a place lies and the place in that block's coordinates.
     pub(crate) fn block_at(&self, p: DVec2) -> Option<(BlockId, DVec2)> {
         let at = (p - self.base) / SQUARE;
-        let cell = LandCoord { x: self.corner.x + at.x.floor() as i32, y: self.corner.y + at.y.floor() as i32 };
+        let cell = LandCoord {
+            x: self.corner.x + at.x.floor() as i32,
+            y: self.corner.y + at.y.floor() as i32,
+        };
         let block = self.contains(p).then(|| cell.block()).flatten()?;
         Some((block, p - self.block_corner(block)))
     }
@@ -206,7 +220,10 @@ impl Land {
     /// Map coordinates of a landblock's south-west corner.
     pub(crate) fn block_corner(&self, block: BlockId) -> DVec2 {
         let corner = block.corner();
-        let cells = DVec2::new(f64::from(corner.x - self.corner.x), f64::from(corner.y - self.corner.y));
+        let cells = DVec2::new(
+            f64::from(corner.x - self.corner.x),
+            f64::from(corner.y - self.corner.y),
+        );
         self.base + cells * SQUARE
     }
 
@@ -229,16 +246,29 @@ impl Land {
         let mut out = BTreeMap::new();
         for bx in 0..(self.size.x - 1) / SIDE {
             for by in 0..(self.size.y - 1) / SIDE {
-                let corner = LandCoord { x: self.corner.x + bx * SIDE, y: self.corner.y + by * SIDE };
+                let corner = LandCoord {
+                    x: self.corner.x + bx * SIDE,
+                    y: self.corner.y + by * SIDE,
+                };
                 let Some(block) = corner.block() else { continue };
                 let (mut terrain, mut height) = ([0u16; 81], [0u8; 81]);
                 for i in 0..81i32 {
-                    let Some(k) = self.at(bx * SIDE + i / 9, by * SIDE + i % 9) else { continue };
+                    let Some(k) = self.at(bx * SIDE + i / 9, by * SIDE + i % 9) else {
+                        continue;
+                    };
                     terrain[i as usize] = u16::from(self.kinds[k]) << 2 | u16::from(self.roads[k]);
                     height[i as usize] = self.index[k];
                 }
                 let id = block.land_block_record();
-                out.insert(block, LandBlock { id, has_objects: Bool32(0), terrain, height });
+                out.insert(
+                    block,
+                    LandBlock {
+                        id,
+                        has_objects: Bool32(0),
+                        terrain,
+                        height,
+                    },
+                );
             }
         }
         out

@@ -17,11 +17,20 @@ pub(crate) fn add_model(
     surfaces: &[u32],
     sizes: &[f64],
 ) -> Result<u32, Problem> {
-    let parts: Vec<Polytope> = model.solids.iter().flat_map(|s| painted(s, &model.paint, false)).collect();
+    let parts: Vec<Polytope> = model
+        .solids
+        .iter()
+        .flat_map(|s| painted(s, &model.paint, false))
+        .collect();
     let collides = model.collide == Collide::Polygons;
     let id = records.next_id(0x0100_0001);
     let built = ModelParts::of_solids(&parts, collides).build(id, surfaces, sizes)?;
-    let around = built.record.drawing.as_ref().map(|d| d.bsp.bounding_sphere()).unwrap_or_default();
+    let around = built
+        .record
+        .drawing
+        .as_ref()
+        .map(|d| d.bsp.bounding_sphere())
+        .unwrap_or_default();
     records.portal.insert(id, built.record.encode()?);
     let (mut cyl_spheres, mut spheres) = (Vec::new(), Vec::new());
     match model.collide {
@@ -31,7 +40,10 @@ pub(crate) fn add_model(
             height: height as f32,
         }),
         Collide::Sphere(height, radius) => {
-            spheres.push(Sphere { center: Vec3::Z * height as f32, radius: radius as f32 });
+            spheres.push(Sphere {
+                center: Vec3::Z * height as f32,
+                radius: radius as f32,
+            });
         }
         Collide::Polygons if model.lights.is_empty() => return Ok(id),
         Collide::Polygons | Collide::Nothing if model.lights.is_empty() && collides => return Ok(id),
@@ -46,7 +58,10 @@ pub(crate) fn add_model(
         let [r, g, b] = light.color.map(u32::from);
         Light {
             key,
-            frame: Frame { origin: light.at.as_vec3(), ..Frame::IDENTITY },
+            frame: Frame {
+                origin: light.at.as_vec3(),
+                ..Frame::IDENTITY
+            },
             color: Argb(0xFF00_0000 | r << 16 | g << 8 | b),
             intensity: light.intensity as f32,
             falloff: light.falloff as f32,

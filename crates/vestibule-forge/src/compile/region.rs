@@ -7,9 +7,12 @@ use vestibule_dat::record::region::{
 };
 use vestibule_dat::record::{PixelFormat, RecordError};
 
-use super::texture::{blend_map, texture};
+use super::texture::{Painter, blend_map};
 use super::world::Records;
 use crate::scene::{Pattern, TERRAIN_TYPES};
+
+/// Seed of all ground textures: patterns of walls differ from those of the ground.
+const GROUND_SEED: u32 = 400;
 
 const REGION: u32 = 0x1300_0000;
 
@@ -55,28 +58,82 @@ type Hour = (f32, f32, f32, f32, u32, f32, u32, u32);
 const DAY: [Hour; 6] = [
     (0.0, 0.12, 20.0, 40.0, 0xFF8A_98C8, 0.30, 0xFF7C_88B4, 0xFF10_1626),
     (0.24, 0.45, 85.0, 8.0, 0xFFFF_B070, 0.36, 0xFFB0_A8B8, 0xFFC8_A898),
-    (0.34, 1.00, 120.0, 32.0, 0xFFFF_F0D8, 0.42, 0xFFC8_D0DC, 0xFFB4_C8DA),
-    (0.50, 1.20, 180.0, 58.0, 0xFFFF_FAEE, 0.45, 0xFFD4_DCE6, 0xFFAC_C6E0),
-    (0.70, 0.90, 250.0, 26.0, 0xFFFF_E4B8, 0.42, 0xFFC8_C4C8, 0xFFC4_BCB4),
-    (0.80, 0.30, 275.0, 5.0, 0xFFFF_9858, 0.34, 0xFF98_90A8, 0xFF70_6078),
+    (
+        0.34,
+        1.00,
+        120.0,
+        32.0,
+        0xFFFF_F0D8,
+        0.42,
+        0xFFC8_D0DC,
+        0xFFB4_C8DA,
+    ),
+    (
+        0.50,
+        1.20,
+        180.0,
+        58.0,
+        0xFFFF_FAEE,
+        0.45,
+        0xFFD4_DCE6,
+        0xFFAC_C6E0,
+    ),
+    (
+        0.70,
+        0.90,
+        250.0,
+        26.0,
+        0xFFFF_E4B8,
+        0.42,
+        0xFFC8_C4C8,
+        0xFFC4_BCB4,
+    ),
+    (
+        0.80,
+        0.30,
+        275.0,
+        5.0,
+        0xFFFF_9858,
+        0.34,
+        0xFF98_90A8,
+        0xFF70_6078,
+    ),
 ];
 
 /// Adds the region and the terrain textures of the types in `kinds`.
-pub(crate) fn add_region(records: &mut Records, name: &str, step: f64, kinds: &[u8]) -> Result<(), RecordError> {
-    let mut merge = TexMerge { base_tex_size: 256, ..TexMerge::default() };
+pub(crate) fn add_region(
+    records: &mut Records,
+    painter: &mut Painter,
+    name: &str,
+    step: f64,
+    kinds: &[u8],
+) -> Result<(), RecordError> {
+    let mut merge = TexMerge {
+        base_tex_size: 256,
+        ..TexMerge::default()
+    };
     let mut map = |code: u32, reach: f64, seed: u32| {
         super::surface::add_image(records, PixelFormat::LscapeAlpha, blend_map(code, reach, seed))
     };
     for seed in [1, 2] {
-        merge.corner_maps.push(TerrainAlphaMap { tcode: 1, texture: map(1, 0.42, seed)? });
-        merge.side_maps.push(TerrainAlphaMap { tcode: 3, texture: map(3, 0.42, seed + 4)? });
+        merge.corner_maps.push(TerrainAlphaMap {
+            tcode: 1,
+            texture: map(1, 0.42, seed)?,
+        });
+        merge.side_maps.push(TerrainAlphaMap {
+            tcode: 3,
+            texture: map(3, 0.42, seed + 4)?,
+        });
     }
     for (rcode, reach) in [(1, 0.12), (3, 0.12), (5, 0.12)] {
-        merge.road_maps.push(RoadMap { rcode, texture: map(rcode, reach, 20 + rcode)? });
+        merge.road_maps.push(RoadMap {
+            rcode,
+            texture: map(rcode, reach, 20 + rcode)?,
+        });
     }
     for &kind in kinds {
         let (pattern, color, second, tiling) = look(kind);
-        let pixels = texture(pattern, color, second, 400 + u32::from(kind));
+        let pixels = painter.texture(pattern, color, second, GROUND_SEED);
         let pixels = pixels.into_iter().flatten().collect();
         let image = super::surface::add_image(records, PixelFormat::LscapeR8G8B8, pixels)?;
         merge.textures.push(TerrainTexture {
@@ -96,23 +153,34 @@ pub(crate) fn add_region(records: &mut Records, name: &str, step: f64, kinds: &[
     let terrain_types = TERRAIN_TYPES.iter().map(|(name, kind)| {
         let [r, g, b] = look(*kind).1.map(u32::from);
         let color = Argb(0xFF00_0000 | r << 16 | g << 8 | b);
-        TerrainType { name: LegacyString::from(*name), color, scene_types: Vec::new() }
+        TerrainType {
+            name: LegacyString::from(*name),
+            color,
+            scene_types: Vec::new(),
+        }
     });
-    let sky_times = DAY.iter().map(|&(begin, dir_bright, heading, pitch, sun, amb_bright, ambient, fog)| SkyTime {
-        begin,
-        dir_bright,
-        dir_heading: heading,
-        dir_pitch: pitch,
-        dir_color: Argb(sun),
-        amb_bright,
-        amb_color: Argb(ambient),
-        min_fog: 150.0,
-        max_fog: 900.0,
-        fog_color: Argb(fog),
-        fog_type: 1,
-        replaces: Vec::new(),
-    });
-    let sky = DayGroup { chance: 1.0, name: "Clear".into(), sky_objects: Vec::new(), sky_times: sky_times.collect() };
+    let sky_times = DAY.iter().map(
+        |&(begin, dir_bright, heading, pitch, sun, amb_bright, ambient, fog)| SkyTime {
+            begin,
+            dir_bright,
+            dir_heading: heading,
+            dir_pitch: pitch,
+            dir_color: Argb(sun),
+            amb_bright,
+            amb_color: Argb(ambient),
+            min_fog: 150.0,
+            max_fog: 900.0,
+            fog_color: Argb(fog),
+            fog_type: 1,
+            replaces: Vec::new(),
+        },
+    );
+    let sky = DayGroup {
+        chance: 1.0,
+        name: "Clear".into(),
+        sky_objects: Vec::new(),
+        sky_times: sky_times.collect(),
+    };
     let region = Region {
         id: REGION,
         region_number: 1,
@@ -131,10 +199,17 @@ pub(crate) fn add_region(records: &mut Records, name: &str, step: f64, kinds: &[
         },
         game_time: game_time(),
         parts_mask: Region::HAS_SKY,
-        sky: Some(SkyDesc { tick_size: 0.8, light_tick_size: 15.0, day_groups: vec![sky] }),
+        sky: Some(SkyDesc {
+            tick_size: 0.8,
+            light_tick_size: 15.0,
+            day_groups: vec![sky],
+        }),
         sound: None,
         scene: None,
-        terrain: TerrainDesc { terrain_types: terrain_types.collect(), tex_merge: merge },
+        terrain: TerrainDesc {
+            terrain_types: terrain_types.collect(),
+            tex_merge: merge,
+        },
         misc: None,
     };
     records.portal.insert(REGION, region.encode()?);
@@ -142,15 +217,28 @@ pub(crate) fn add_region(records: &mut Records, name: &str, step: f64, kinds: &[
 }
 
 fn game_time() -> GameTime {
-    let part = |start, night, name: &str| TimeOfDay { start, is_night: Bool32::from(night), name: name.into() };
+    let part = |start, night, name: &str| TimeOfDay {
+        start,
+        is_night: Bool32::from(night),
+        name: name.into(),
+    };
     GameTime {
         zero_time_of_year: 0.0,
         zero_year: 1,
         day_length: 7200.0,
         days_per_year: 360,
         year_spec: "Year".into(),
-        times_of_day: vec![part(0.0, true, "Night"), part(0.25, false, "Day"), part(0.8, true, "Evening")],
-        days_of_week: ["First", "Second", "Third", "Fourth", "Fifth", "Sixth"].map(LegacyString::from).to_vec(),
-        seasons: vec![Season { start: 0, name: "Summer".into() }],
+        times_of_day: vec![
+            part(0.0, true, "Night"),
+            part(0.25, false, "Day"),
+            part(0.8, true, "Evening"),
+        ],
+        days_of_week: ["First", "Second", "Third", "Fourth", "Fifth", "Sixth"]
+            .map(LegacyString::from)
+            .to_vec(),
+        seasons: vec![Season {
+            start: 0,
+            name: "Summer".into(),
+        }],
     }
 }

@@ -2,12 +2,10 @@
 
 use glam::DVec3;
 
-use crate::geometry::{Face, ON_PLANE, Plane, Polygon, Polytope, Side, merge_convex};
+pub(crate) use crate::geometry::CUT;
+use crate::geometry::{Face, ON_PLANE, Polygon, Polytope, carve, merge_convex};
 use crate::scene::{Paint, SolidDef};
 use crate::text::{Messages, Span, Word};
-
-/// Tag of faces made by cutting, which have no material of their own.
-pub(crate) const CUT: u32 = u32::MAX;
 
 /// A solid's convex parts, each face tagged with its material. `room`: the faces are seen from inside.
 pub(crate) fn painted(solid: &SolidDef, paint: &Paint, room: bool) -> Vec<Polytope> {
@@ -30,7 +28,12 @@ fn material(solid: &SolidDef, paint: &Paint, normal: DVec3) -> usize {
 
 /// Cuts a room into convex cells that touch but do not overlap, in room coordinates; what is wrong with its
 /// polygons is reported.
-pub(crate) fn cells_of(name: &Word, solids: &[SolidDef], paint: &Paint, messages: &mut Messages) -> Vec<Polytope> {
+pub(crate) fn cells_of(
+    name: &Word,
+    solids: &[SolidDef],
+    paint: &Paint,
+    messages: &mut Messages,
+) -> Vec<Polytope> {
     let mut cells: Vec<Polytope> = Vec::new();
     let mut add = |part: Polytope| {
         let mut rest = vec![part];
@@ -53,7 +56,7 @@ pub(crate) fn cells_of(name: &Word, solids: &[SolidDef], paint: &Paint, messages
         })
         .collect();
     if !soup.is_empty() && is_closed(name, &soup, messages) {
-        carve(&soup).into_iter().for_each(&mut add);
+        carve_room(&soup).into_iter().for_each(&mut add);
     }
     merge_convex(cells)
 }
@@ -79,7 +82,9 @@ fn open_edges(polygons: &[Polygon]) -> Vec<(usize, DVec3, DVec3)> {
             let mut stops: Vec<f64> = corners
                 .iter()
                 .map(|c| (c, (*c - a).dot(along) / along.length_squared()))
-                .filter(|(c, t)| *t > 0.0 && *t < 1.0 && near(a + along * *t, **c) && !near(**c, a) && !near(**c, b))
+                .filter(|(c, t)| {
+                    *t > 0.0 && *t < 1.0 && near(a + along * *t, **c) && !near(**c, a) && !near(**c, b)
+                })
                 .map(|(_, t)| t)
                 .collect();
             stops.extend([0.0, 1.0]);
@@ -108,12 +113,19 @@ fn is_closed(name: &Word, soup: &[Wall], messages: &mut Messages) -> bool {
     let mut polygons: Vec<Polygon> = soup.iter().map(|w| w.polygon.clone()).collect();
     let mut open = open_edges(&polygons);
     if open.is_empty() {
-        let volume: f64 = polygons.iter().map(|p| p.area() * -p.plane.dist(polygons[0].points[0])).sum();
+        let volume: f64 = polygons
+            .iter()
+            .map(|p| p.area() * -p.plane.dist(polygons[0].points[0]))
+            .sum();
         if volume < 0.0 {
             return true;
         }
         let message = format!("all polygons of room `{}` face outwards", name.text);
-        messages.error(soup[0].span, message, "list each polygon's points counter-clockwise as seen from inside");
+        messages.error(
+            soup[0].span,
+            message,
+            "list each polygon's points counter-clockwise as seen from inside",
+        );
         return false;
     }
     // A polygon that, turned over, closes more edges than it leaves open is inside out.
@@ -123,7 +135,11 @@ fn is_closed(name: &Word, soup: &[Wall], messages: &mut Messages) -> bool {
         let mended = open_edges(&polygons);
         if mended.len() < open.len() {
             let message = format!("this polygon faces out of room `{}`", name.text);
-            messages.error(soup[k].span, message, "reverse the order of its points: counter-clockwise as seen from inside");
+            messages.error(
+                soup[k].span,
+                message,
+                "reverse the order of its points: counter-clockwise as seen from inside",
+            );
             open = mended;
         } else {
             polygons[k] = kept;
@@ -151,51 +167,14 @@ pub(crate) fn written(p: DVec3) -> String {
     format!("({} {} {})", round(p.x), round(p.y), round(p.z))
 }
 
-/// The inside of a closed set of polygons as convex solids.
-fn carve(soup: &[Wall]) -> Vec<Polytope> {
-    let planes: Vec<(Plane, u32)> = soup.iter().map(|w| (w.polygon.plane.flipped(), w.material)).collect();
-    let inside = |w: &Wall, p: &Plane| matches!(w.polygon.side(p), Side::Front | Side::On);
-    if soup.iter().all(|w| soup.iter().all(|other| inside(other, &w.polygon.plane))) {
-        return Polytope::from_planes(&planes).into_iter().collect();
-    }
-    let bounds = soup.iter().flat_map(|w| w.polygon.points.iter()).fold(
-        (DVec3::INFINITY, DVec3::NEG_INFINITY),
-        |(low, high), p| (low.min(*p), high.max(*p)),
-    );
-    let Some(space) = Polytope::cuboid(bounds.0 - 1.0, bounds.1 + 1.0) else { return Vec::new() };
-    let mut out = Vec::new();
-    let polygons = soup.iter().map(|w| w.polygon.clone()).collect();
-    carve_into(space, polygons, false, &mut out, 0);
+/// The inside of closed walls as convex solids, faces tagged with materials.
+fn carve_room(soup: &[Wall]) -> Vec<Polytope> {
+    let polygons: Vec<Polygon> = soup.iter().map(|w| w.polygon.clone()).collect();
+    let mut out = carve(&polygons);
     for face in out.iter_mut().flat_map(|p| &mut p.faces) {
         face.tag = wall_behind(face, soup);
     }
     out
-}
-
-fn carve_into(space: Polytope, polygons: Vec<Polygon>, inside: bool, out: &mut Vec<Polytope>, depth: usize) {
-    let all: Vec<&Polygon> = polygons.iter().collect();
-    let splitter = crate::bsp::best_splitter(polygons.iter().map(|p| &p.plane), &all, &[]);
-    let Some(plane) = splitter.filter(|_| depth < 512) else {
-        if inside {
-            out.push(space);
-        }
-        return;
-    };
-    let (mut front, mut back) = (Vec::new(), Vec::new());
-    for polygon in polygons {
-        if polygon.side(&plane) != Side::On {
-            let parts = polygon.split(&plane);
-            front.extend(parts.0);
-            back.extend(parts.1);
-        }
-    }
-    let (near, far) = space.split(&plane, CUT);
-    if let Some(near) = near {
-        carve_into(near, front, true, out, depth + 1);
-    }
-    if let Some(far) = far {
-        carve_into(far, back, false, out, depth + 1);
-    }
 }
 
 /// The material of the wall that a face of a carved cell lies on, if it lies on one.

@@ -30,10 +30,17 @@ pub(crate) struct PlacedSite<'a> {
 
 /// A placement as stored.
 pub(crate) fn frame(place: Placement) -> Frame {
-    let rotation = if place.rotation.w < 0.0 { -place.rotation } else { place.rotation };
+    let rotation = if place.rotation.w < 0.0 {
+        -place.rotation
+    } else {
+        place.rotation
+    };
     let tidy = |n: f64| if n.abs() < 1.0e-12 { 0.0 } else { n };
     let rotation = glam::DQuat::from_array(rotation.to_array().map(tidy));
-    Frame { origin: place.origin.as_vec3(), rotation: rotation.as_quat() }
+    Frame {
+        origin: place.origin.as_vec3(),
+        rotation: rotation.as_quat(),
+    }
 }
 
 /// Cell structures made so far, so that equal rooms share one.
@@ -63,7 +70,11 @@ impl PlacedSite<'_> {
                 Target::Outside(_) => None,
             },
         };
-        self.cells.cells.iter().map(|c| c.holes.iter().map(opening).collect()).collect()
+        self.cells
+            .cells
+            .iter()
+            .map(|c| c.holes.iter().map(opening).collect())
+            .collect()
     }
 
     /// Cells that belong into a stab list, as ids.
@@ -84,31 +95,42 @@ impl PlacedSite<'_> {
         sizes: &[f64],
     ) -> Result<(), Problem> {
         let openings = self.openings();
-        let mut environment = Environment { id: records.next_id(0x0D00_0001), cell_structs: Vec::new() };
+        let mut environment = Environment {
+            id: records.next_id(0x0D00_0001),
+            cell_structs: Vec::new(),
+        };
         let mut statics = self.statics(models);
         for (k, cell) in self.cells.cells.iter().enumerate() {
             let built = build_cell(cell, &self.def.rooms[cell.room], sizes)?;
             let (environment_id, cell_struct) = structures.place(&mut environment, built.structure)?;
             let seen = seen_from_cell(&openings, k);
-            let portals = cell.holes.iter().zip(&built.portal_polygons).map(|(hole, &polygon_id)| {
-                // Bit 1 set: portal side 0, the interior is in front of the polygon.
-                let (to, side) = match hole.to {
-                    Target::Cell(to) => (self.id(to), 2),
-                    Target::Outside(_) => (u32::from(self.block.0) << 16 | 0xFFFF, CellPortal::OUTSIDE),
-                };
-                CellPortal {
-                    flags: u16::from(hole.exact) | side,
-                    polygon_id,
-                    other_cell_id: to,
-                    other_portal_id: hole.partner.map_or(-1, |p| p as i16),
-                }
-            });
+            let portals = cell
+                .holes
+                .iter()
+                .zip(&built.portal_polygons)
+                .map(|(hole, &polygon_id)| {
+                    // Bit 1 set: portal side 0, the interior is in front of the polygon.
+                    let (to, side) = match hole.to {
+                        Target::Cell(to) => (self.id(to), 2),
+                        Target::Outside(_) => (u32::from(self.block.0) << 16 | 0xFFFF, CellPortal::OUTSIDE),
+                    };
+                    CellPortal {
+                        flags: u16::from(hole.exact) | side,
+                        polygon_id,
+                        other_cell_id: to,
+                        other_portal_id: hole.partner.map_or(-1, |p| p as i16),
+                    }
+                });
             let statics = statics.remove(&k).unwrap_or_default();
             let id = self.id(k);
             let record = EnvCell {
                 id,
                 flags: if seen.outside { EnvCell::SEEN_OUTSIDE } else { 0 }
-                    | if statics.is_empty() { 0 } else { EnvCell::HAS_STATICS },
+                    | if statics.is_empty() {
+                        0
+                    } else {
+                        EnvCell::HAS_STATICS
+                    },
                 id_again: id,
                 surfaces: built.surfaces.iter().map(|m| surfaces[*m]).collect(),
                 environment: environment_id,
@@ -129,7 +151,8 @@ impl PlacedSite<'_> {
         }
         info.num_cells += self.cells.cells.len() as u32;
         if self.def.kind == Kind::Building && self.def.shell.is_some() {
-            info.buildings.push(self.building(records, &openings, surfaces, sizes)?);
+            info.buildings
+                .push(self.building(records, &openings, surfaces, sizes)?);
         }
         Ok(())
     }
@@ -140,7 +163,10 @@ impl PlacedSite<'_> {
         for object in &self.def.statics {
             let place = object.place.resolve(|_| 0.0);
             if let Some(cell) = self.cell_of(object.room.as_ref().map(|r| r.text.as_str()), place.origin) {
-                let stab = Stab { id: models[object.model], frame: frame(place.within(self.place)) };
+                let stab = Stab {
+                    id: models[object.model],
+                    frame: frame(place.within(self.place)),
+                };
                 out.entry(cell).or_default().push(stab);
             }
         }
@@ -149,14 +175,16 @@ impl PlacedSite<'_> {
 
     /// The cell of a room in which a point of the site lies, or is nearest to; of any room without a name.
     pub(crate) fn cell_of(&self, room: Option<&str>, p: DVec3) -> Option<usize> {
-        let in_room = |k: &usize| {
-            room.is_none_or(|name| self.def.rooms[self.cells.cells[*k].room].name.text == name)
-        };
+        let in_room =
+            |k: &usize| room.is_none_or(|name| self.def.rooms[self.cells.cells[*k].room].name.text == name);
         // A little above the floor it stands on.
         let p = p + DVec3::Z * 0.05;
         let outside = |k: usize| {
             let faces = &self.cells.cells[k].space.faces;
-            faces.iter().map(|f| f.polygon.plane.dist(p)).fold(f64::MIN, f64::max)
+            faces
+                .iter()
+                .map(|f| f.polygon.plane.dist(p))
+                .fold(f64::MIN, f64::max)
         };
         let all = (0..self.cells.cells.len()).filter(in_room);
         all.min_by(|&a, &b| outside(a).total_cmp(&outside(b)))
@@ -200,7 +228,10 @@ impl Structures {
         mut structure: vestibule_dat::record::CellStruct,
     ) -> Result<(u32, u16), RecordError> {
         structure.id = 0;
-        let mut alone = Environment { id: 0, cell_structs: vec![structure] };
+        let mut alone = Environment {
+            id: 0,
+            cell_structs: vec![structure],
+        };
         let bytes = alone.encode()?;
         if let Some(known) = self.known.get(&bytes) {
             return Ok(*known);
@@ -217,5 +248,8 @@ impl Structures {
 
 /// The frame of an object on the land, in the coordinates of its landblock.
 pub(crate) fn land_frame(place: Placement, corner: DVec2) -> Frame {
-    frame(Placement { origin: place.origin - corner.extend(0.0), rotation: place.rotation })
+    frame(Placement {
+        origin: place.origin - corner.extend(0.0),
+        rotation: place.rotation,
+    })
 }

@@ -20,7 +20,13 @@ pub(crate) struct BuiltCell {
 }
 
 /// The walls of a cell: its faces less the holes that `cut` picks and less what `solids` cover, facing inwards.
-fn walls(cell: &Cell, space: &Polytope, holes: &[Polygon], cut: impl Fn(usize) -> bool, solids: &[Polytope]) -> Vec<Painted> {
+fn walls(
+    cell: &Cell,
+    space: &Polytope,
+    holes: &[Polygon],
+    cut: impl Fn(usize) -> bool,
+    solids: &[Polytope],
+) -> Vec<Painted> {
     let mut out = Vec::new();
     for (k, face) in space.faces.iter().enumerate() {
         let mut parts = vec![face.polygon.clone()];
@@ -28,31 +34,52 @@ fn walls(cell: &Cell, space: &Polytope, holes: &[Polygon], cut: impl Fn(usize) -
             parts = parts.iter().flat_map(|p| p.without(&holes[h])).collect();
         }
         for part in parts.iter().flat_map(|p| uncovered(p, solids)) {
-            out.push(Painted { polygon: part.flipped(), material: face.tag as usize });
+            out.push(Painted {
+                polygon: part.flipped(),
+                material: face.tag as usize,
+            });
         }
     }
     out
 }
 
 fn fixture_parts(room: &RoomDef, pick: impl Fn(&Fixture) -> &[SolidDef]) -> Vec<Polytope> {
-    room.fixtures.iter().flat_map(pick).flat_map(|solid| painted(solid, &room.paint, false)).collect()
+    room.fixtures
+        .iter()
+        .flat_map(pick)
+        .flat_map(|solid| painted(solid, &room.paint, false))
+        .collect()
 }
 
 /// The surface of fixtures inside a cell, and in its openings: the top of stairs that end in one.
 fn fixture_faces(parts: &[Polytope], cell: &Cell, space: &Polytope, holes: &[Polygon]) -> Vec<Painted> {
-    let near: Vec<Polytope> = parts.iter().filter(|p| p.intersection(space).is_some()).cloned().collect();
+    let near: Vec<Polytope> = parts
+        .iter()
+        .filter(|p| p.intersection(space).is_some())
+        .cloned()
+        .collect();
     let mut out = Vec::new();
     for Face { polygon, tag } in union_faces(&near) {
         let material = tag as usize;
-        match space.faces.iter().position(|f| f.polygon.plane.same_as(&polygon.plane)) {
+        match space
+            .faces
+            .iter()
+            .position(|f| f.polygon.plane.same_as(&polygon.plane))
+        {
             Some(k) => {
                 let in_face = (0..holes.len()).filter(|&h| cell.holes[h].face == k);
-                out.extend(in_face.filter_map(|h| polygon.intersection(&holes[h])).map(|p| (p, material)));
+                out.extend(
+                    in_face
+                        .filter_map(|h| polygon.intersection(&holes[h]))
+                        .map(|p| (p, material)),
+                );
             }
             None => out.extend(inside(&polygon, space).map(|p| (p, material))),
         }
     }
-    out.into_iter().map(|(polygon, material)| Painted { polygon, material }).collect()
+    out.into_iter()
+        .map(|(polygon, material)| Painted { polygon, material })
+        .collect()
 }
 
 /// Builds the structure of a cell in the coordinates of its room.
@@ -69,7 +96,11 @@ pub(crate) fn build_cell(cell: &Cell, room: &RoomDef, sizes: &[f64]) -> Result<B
     let holes: Vec<Polygon> = cell.holes.iter().map(|h| moved(&h.polygon)).collect();
 
     let solids = fixture_parts(room, |f| &f.draw);
-    let cuts: Vec<Polygon> = cell.holes.iter().map(|h| moved(h.cut.as_ref().unwrap_or(&h.polygon))).collect();
+    let cuts: Vec<Polygon> = cell
+        .holes
+        .iter()
+        .map(|h| moved(h.cut.as_ref().unwrap_or(&h.polygon)))
+        .collect();
     let mut drawn = walls(cell, &space, &cuts, |_| true, &solids);
     drawn.extend(fixture_faces(&solids, cell, &space, &holes));
     // Portals to cells face inwards (portal side 0), those to the outside outwards (side 1), as retail's do.
@@ -77,7 +108,13 @@ pub(crate) fn build_cell(cell: &Cell, room: &RoomDef, sizes: &[f64]) -> Result<B
         .holes
         .iter()
         .zip(&holes)
-        .map(|(hole, p)| if matches!(hole.to, Target::Outside(_)) { p.clone() } else { p.flipped() })
+        .map(|(hole, p)| {
+            if matches!(hole.to, Target::Outside(_)) {
+                p.clone()
+            } else {
+                p.flipped()
+            }
+        })
         .map(|p| snapped(&p))
         .collect();
     let polygons: Vec<Polygon> = drawn.iter().map(|d| snapped(&d.polygon)).collect();
@@ -108,7 +145,11 @@ pub(crate) fn build_cell(cell: &Cell, room: &RoomDef, sizes: &[f64]) -> Result<B
         has_drawing_bsp: Bool32::from(true),
         drawing_bsp: Some(drawing.tree),
     };
-    Ok(BuiltCell { structure, surfaces: mesh.surfaces, portal_polygons })
+    Ok(BuiltCell {
+        structure,
+        surfaces: mesh.surfaces,
+        portal_polygons,
+    })
 }
 
 /// A model and the number of leaves of its drawing tree.
@@ -130,10 +171,19 @@ impl ModelParts {
     /// A model of solids.
     pub(crate) fn of_solids(parts: &[Polytope], collides: bool) -> Self {
         let faces = union_faces(parts);
-        let drawn: Vec<Painted> =
-            faces.into_iter().map(|f| Painted { polygon: f.polygon, material: f.tag as usize }).collect();
+        let drawn: Vec<Painted> = faces
+            .into_iter()
+            .map(|f| Painted {
+                polygon: f.polygon,
+                material: f.tag as usize,
+            })
+            .collect();
         let solid = collides.then(|| drawn.iter().map(|d| d.polygon.clone()).collect());
-        ModelParts { drawn, portals: Vec::new(), solid }
+        ModelParts {
+            drawn,
+            portals: Vec::new(),
+            solid,
+        }
     }
 
     /// The shell of a building, cut by its openings; windows stay closed to bodies.
@@ -146,7 +196,10 @@ impl ModelParts {
                 for hole in holes(panes).filter(|h| h.polygon.plane.same_as(&face.polygon.plane)) {
                     parts = parts.iter().flat_map(|p| p.without(&hole.polygon)).collect();
                 }
-                let painted = |polygon| Painted { polygon, material: face.tag as usize };
+                let painted = |polygon| Painted {
+                    polygon,
+                    material: face.tag as usize,
+                };
                 out.extend(parts.into_iter().map(painted));
             }
             out
@@ -174,7 +227,11 @@ impl ModelParts {
             let built = physics_bsp(&solid, &portals, &[])?;
             let polygons = mesh.plain(built.pieces.iter().map(|p| &p.polygon), 0);
             let form = CompressedForm::shortest(polygons.len() as u32);
-            physics = Some(GfxObjPolygons { polygons, form, bsp: built.tree });
+            physics = Some(GfxObjPolygons {
+                polygons,
+                form,
+                bsp: built.tree,
+            });
         }
         let sort_center = drawing.tree.bounding_sphere().center;
         let form = CompressedForm::shortest(polygons.len() as u32);
@@ -187,9 +244,16 @@ impl ModelParts {
             vertices: mesh.vertices,
             physics,
             sort_center,
-            drawing: Some(GfxObjPolygons { polygons, form, bsp: drawing.tree }),
+            drawing: Some(GfxObjPolygons {
+                polygons,
+                form,
+                bsp: drawing.tree,
+            }),
             degrade_id: None,
         };
-        Ok(BuiltModel { record, leaves: drawing.leaves })
+        Ok(BuiltModel {
+            record,
+            leaves: drawing.leaves,
+        })
     }
 }

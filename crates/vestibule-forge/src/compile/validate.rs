@@ -19,8 +19,12 @@ const EXIT_REACH: f64 = 0.55;
 
 pub(crate) fn check(scene: &Scene, land: &Land, sites: &[PlacedSite<'_>], messages: &mut Messages) {
     overlaps(sites, messages);
+    // What lacks openings or stands wrong because of an error needs no second message.
+    let complete = !messages.has_errors();
     for (k, site) in sites.iter().enumerate() {
-        portals(site, messages);
+        if complete {
+            portals(site, messages);
+        }
         statics(site, messages);
         if site.def.kind == Kind::Building {
             footprint(site, messages);
@@ -29,8 +33,10 @@ pub(crate) fn check(scene: &Scene, land: &Land, sites: &[PlacedSite<'_>], messag
                 other.def.kind == Kind::Building && cell(other) == cell(site)
             };
             if let Some(other) = sites[..k].iter().find(same_cell) {
-                let message =
-                    format!("`{}` stands on the same land cell as `{}`", site.def.name.text, other.def.name.text);
+                let message = format!(
+                    "`{}` stands on the same land cell as `{}`",
+                    site.def.name.text, other.def.name.text
+                );
                 let help = "a land cell (24 m square) knows one building only; move it to another cell";
                 messages.error(site.def.name.span, message, help);
             }
@@ -53,15 +59,19 @@ fn overlaps(sites: &[PlacedSite<'_>], messages: &mut Messages) {
     let mut all: Vec<(&PlacedSite<'_>, usize, Polytope, (DVec3, DVec3))> = Vec::new();
     for site in sites {
         for (k, cell) in site.cells.cells.iter().enumerate() {
-            let Some(space) = cell.space.mapped(|p| site.place.to_outer(p)) else { continue };
+            let Some(space) = cell.space.mapped(|p| site.place.to_outer(p)) else {
+                continue;
+            };
             let bounds = space.bounds();
             for (other, j, there, (low, high)) in &all {
                 let apart = (bounds.0 + OVERLAP).cmpgt(*high).any() || (*low + OVERLAP).cmpgt(bounds.1).any();
                 if other.block != site.block || apart {
                     continue;
                 }
-                let shared = space.shrunk(OVERLAP / 2.0).and_then(|s| s.intersection(&there.shrunk(OVERLAP / 2.0)?));
-                if let Some(shared) = shared {
+                let shared = space
+                    .shrunk(OVERLAP / 2.0)
+                    .and_then(|s| s.intersection(&there.shrunk(OVERLAP / 2.0)?));
+                if let Some(shared) = shared.and_then(|_| space.intersection(there)) {
                     let here = site.place.to_inner(shared.center());
                     let message = format!(
                         "`{}.{}` and `{}.{}` overlap",
@@ -83,8 +93,15 @@ fn overlaps(sites: &[PlacedSite<'_>], messages: &mut Messages) {
 fn portals(site: &PlacedSite<'_>, messages: &mut Messages) {
     for cell in &site.cells.cells {
         if cell.holes.is_empty() {
-            let message = format!("room `{}` has no opening: the engine takes no point to be inside", cell.name);
-            messages.warning(cell.span, message, "add an `opening` or an `exit`, or remove the room");
+            let message = format!(
+                "room `{}` has no opening: the engine takes no point to be inside",
+                cell.name
+            );
+            messages.warning(
+                cell.span,
+                message,
+                "add an `opening` or an `exit`, or remove the room",
+            );
         }
         if cell.holes.len() > 255 {
             let message = format!("room `{}` has {} openings", cell.name, cell.holes.len());
@@ -97,7 +114,11 @@ fn portals(site: &PlacedSite<'_>, messages: &mut Messages) {
             };
             if on(|p| p.x) || on(|p| p.y) {
                 let help = "move it by a centimetre: clients neither cut nor seal openings at exactly 12 m";
-                messages.warning(hole.span, "this exit lies exactly 12 m from the origin of its room", help);
+                messages.warning(
+                    hole.span,
+                    "this exit lies exactly 12 m from the origin of its room",
+                    help,
+                );
             }
         }
     }
@@ -107,23 +128,31 @@ fn statics(site: &PlacedSite<'_>, messages: &mut Messages) {
     for object in &site.def.statics {
         let p = object.place.resolve(|_| 0.0).origin;
         let room = object.room.as_ref();
-        if let Some(name) = room {
-            if !site.def.rooms.iter().any(|r| r.name.text == name.text) {
-                let message = format!("`{}` has no room `{}`", site.def.name.text, name.text);
-                messages.error(name.span, message, "name the room in which the object stands");
-                continue;
-            }
+        if let Some(name) = room
+            && !site.def.rooms.iter().any(|r| r.name.text == name.text)
+        {
+            let message = format!("`{}` has no room `{}`", site.def.name.text, name.text);
+            messages.error(name.span, message, "name the room in which the object stands");
+            continue;
         }
         let Some(cell) = site.cell_of(room.map(|r| r.text.as_str()), p) else {
             let message = format!("`{}` has no rooms for this object", site.def.name.text);
-            messages.error(object.span, message, "place it with `static` outside of the site, on the land");
+            messages.error(
+                object.span,
+                message,
+                "place it with `static` outside of the site, on the land",
+            );
             continue;
         };
         let cell = &site.cells.cells[cell];
         if !cell.space.contains(p + DVec3::Z * 0.05, 0.3) {
             let (low, high) = cell.space.bounds();
             let message = format!("this object stands outside of room `{}`", cell.name);
-            let help = format!("the room reaches from {} to {} in site coordinates", written(low), written(high));
+            let help = format!(
+                "the room reaches from {} to {} in site coordinates",
+                written(low),
+                written(high)
+            );
             messages.warning(object.span, message, help);
         }
     }
@@ -136,11 +165,15 @@ fn footprint(site: &PlacedSite<'_>, messages: &mut Messages) {
     let mut beyond: f64 = 0.0;
     for p in points {
         let p = site.place.to_outer(*p).truncate();
-        beyond = beyond.max((cell - p).max_element()).max((p - cell - 24.0).max_element());
+        beyond = beyond
+            .max((cell - p).max_element())
+            .max((p - cell - 24.0).max_element());
     }
     if beyond > 0.01 {
-        let message =
-            format!("`{}` reaches {beyond:.1} m over the border of its land cell: no one collides with it there", site.def.name.text);
+        let message = format!(
+            "`{}` reaches {beyond:.1} m over the border of its land cell: no one collides with it there",
+            site.def.name.text
+        );
         let help = format!(
             "keep it between x {} and {}, y {} and {} of landblock {}",
             cell.x,
@@ -161,9 +194,22 @@ fn ground(site: &PlacedSite<'_>, land: &Land, messages: &mut Messages) {
         if normal.z.abs() > 0.7 {
             continue;
         }
-        let sill = hole.polygon.points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-        let feet: Vec<DVec3> = hole.polygon.points.iter().filter(|p| p.z < sill + 0.01).copied().collect();
-        let (Some(a), Some(b)) = (feet.first(), feet.last()) else { continue };
+        let sill = hole
+            .polygon
+            .points
+            .iter()
+            .map(|p| p.z)
+            .fold(f64::INFINITY, f64::min);
+        let feet: Vec<DVec3> = hole
+            .polygon
+            .points
+            .iter()
+            .filter(|p| p.z < sill + 0.01)
+            .copied()
+            .collect();
+        let (Some(a), Some(b)) = (feet.first(), feet.last()) else {
+            continue;
+        };
         let level = DVec3::new(normal.x, normal.y, 0.0).normalize_or_zero();
         let (mut above, mut below): (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
         for across in 0..=8 {
@@ -183,7 +229,10 @@ fn ground(site: &PlacedSite<'_>, land: &Land, messages: &mut Messages) {
             let help = "raise the building, or level the terrain: a body in the doorway would be lifted onto the ground";
             messages.warning(span, message, help);
         } else if below < -STEP_UP {
-            let message = format!("the sill of the exit of `{room}` is {:.2} m above the ground: too high to step in", -below);
+            let message = format!(
+                "the sill of the exit of `{room}` is {:.2} m above the ground: too high to step in",
+                -below
+            );
             let help = "lower the building, raise the terrain, or write `window` if nobody shall pass";
             messages.warning(span, message, help);
         }

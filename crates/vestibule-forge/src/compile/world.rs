@@ -105,7 +105,10 @@ impl CompiledWorld {
 
     /// The cell of that name, as in [`CompiledWorld::cell_names`].
     pub fn cell_named(&self, name: &str) -> Option<CellId> {
-        self.cell_names.iter().find(|(_, n)| *n == name).map(|(id, _)| *id)
+        self.cell_names
+            .iter()
+            .find(|(_, n)| *n == name)
+            .map(|(id, _)| *id)
     }
 }
 
@@ -159,7 +162,13 @@ pub(crate) fn compile(files: &[(&str, &str)]) -> Result<CompiledWorld, Diagnosti
     if messages.has_errors() {
         return Err(Diagnostics(messages.finish()));
     }
-    let mut out = Compiler { scene: &scene, land: &land, sites: &sites, messages: &mut messages }.records();
+    let mut out = Compiler {
+        scene: &scene,
+        land: &land,
+        sites: &sites,
+        messages: &mut messages,
+    }
+    .records();
     let failed = messages.has_errors();
     let found = messages.finish();
     if failed {
@@ -179,14 +188,28 @@ fn place_sites<'a>(scene: &'a Scene, land: &Land, messages: &mut Messages) -> Ve
                 Some((block, _)) => (block, land.block_corner(block)),
                 None => {
                     let message = format!("building `{}` stands outside the land", def.name.text);
-                    messages.error(def.name.span, message, "place it inside the land, or enlarge `land`");
+                    messages.error(
+                        def.name.span,
+                        message,
+                        "place it inside the land, or enlarge `land`",
+                    );
                     continue;
                 }
             },
         };
         let cells = SiteCells::build(def, messages);
-        let place = Placement { origin: on_map.origin - corner.extend(0.0), rotation: on_map.rotation };
-        out.push(PlacedSite { def, cells, block, place, on_map, ids: Vec::new() });
+        let place = Placement {
+            origin: on_map.origin - corner.extend(0.0),
+            rotation: on_map.rotation,
+        };
+        out.push(PlacedSite {
+            def,
+            cells,
+            block,
+            place,
+            on_map,
+            ids: Vec::new(),
+        });
     }
     number_cells(&mut out, messages);
     out
@@ -199,13 +222,23 @@ fn number_cells(sites: &mut [PlacedSite<'_>], messages: &mut Messages) {
         site.ids = vec![0; site.cells.cells.len()];
         for (room, def) in site.def.rooms.iter().enumerate() {
             let Some((span, id)) = def.id else { continue };
-            let Some(cell) = site.cells.cells.iter().position(|c| c.room == room) else { continue };
+            let Some(cell) = site.cells.cells.iter().position(|c| c.room == room) else {
+                continue;
+            };
             if !(0x0100..=0xFFFD).contains(&id) {
                 let message = format!("cell number 0x{id:04X} is outside of 0x0100 to 0xFFFD");
-                messages.error(span, message, "leave `id` out to have the room numbered, or choose one in the range");
+                messages.error(
+                    span,
+                    message,
+                    "leave `id` out to have the room numbered, or choose one in the range",
+                );
             } else if let Some(other) = taken.insert((site.block, id), span) {
                 let message = format!("cell number 0x{id:04X} is taken");
-                messages.error(span, message, format!("line {} has it; choose another", other.line));
+                messages.error(
+                    span,
+                    message,
+                    format!("line {} has it; choose another", other.line),
+                );
             }
             site.ids[cell] = id;
         }
@@ -226,8 +259,14 @@ fn number_cells(sites: &mut [PlacedSite<'_>], messages: &mut Messages) {
     for (&(block, id), &span) in &taken {
         let last = 0x00FF + counts.get(&block).copied().unwrap_or(0);
         if (0x0100..=0xFFFD).contains(&id) && u32::from(id) > last {
-            let message = format!("cell number 0x{id:04X} leaves a gap: landblock {block} has cells up to 0x{last:04X}");
-            messages.error(span, message, "numbers run from 0x0100 without gaps; leave `id` out or choose a lower one");
+            let message = format!(
+                "cell number 0x{id:04X} leaves a gap: landblock {block} has cells up to 0x{last:04X}"
+            );
+            messages.error(
+                span,
+                message,
+                "numbers run from 0x0100 without gaps; leave `id` out or choose a lower one",
+            );
         }
     }
 }
@@ -244,7 +283,8 @@ impl Compiler<'_> {
         match result {
             Ok(value) => Some(value),
             Err(e) => {
-                self.messages.error(span, format!("this cannot be stored: {}", e.into()), NOT_STORED);
+                self.messages
+                    .error(span, format!("this cannot be stored: {}", e.into()), NOT_STORED);
                 None
             }
         }
@@ -252,13 +292,20 @@ impl Compiler<'_> {
 
     fn records(mut self) -> CompiledWorld {
         let mut records = Records::default();
-        let mut out = CompiledWorld { name: self.scene.name.clone(), ..CompiledWorld::default() };
+        let mut out = CompiledWorld {
+            name: self.scene.name.clone(),
+            ..CompiledWorld::default()
+        };
         let none = Span::default();
-        let surfaces = super::surface::add_surfaces(&mut records, &self.scene.materials);
+        let mut painter = super::texture::Painter::default();
+        let surfaces = super::surface::add_surfaces(&mut records, &mut painter, &self.scene.materials);
         let surfaces = self.report(none, surfaces).unwrap_or_default();
         let sizes: Vec<f64> = self.scene.materials.iter().map(|m| m.size).collect();
         let kinds = self.land.kinds_in_use();
-        let region = super::region::add_region(&mut records, &self.scene.name, self.scene.height_step, &kinds);
+        let region = {
+            let (name, step) = (&self.scene.name, self.scene.height_step);
+            super::region::add_region(&mut records, &mut painter, name, step, &kinds)
+        };
         self.report(none, region);
         let mut models = Vec::new();
         for model in &self.scene.models {
@@ -280,7 +327,10 @@ impl Compiler<'_> {
         for (at, model, place) in self.land_objects() {
             if let Some((block, _)) = self.land.block_at(at) {
                 let frame = land_frame(place, self.land.block_corner(block));
-                infos.entry(block).or_default().objects.push(Stab { id: models[model], frame });
+                infos.entry(block).or_default().objects.push(Stab {
+                    id: models[model],
+                    frame,
+                });
                 out.stats.statics += 1;
             }
         }
@@ -353,14 +403,21 @@ impl Compiler<'_> {
     }
 
     fn is_free(&self, at: DVec2, clear: f64, on: Option<u8>) -> bool {
-        let Some((kind, road)) = self.land.kind_at(at).filter(|_| self.land.contains(at)) else { return false };
+        let Some((kind, road)) = self.land.kind_at(at).filter(|_| self.land.contains(at)) else {
+            return false;
+        };
         let water = (16..=20).contains(&kind);
-        let near_site = self.sites.iter().filter(|s| s.def.kind == Kind::Building).any(|site| {
-            let points = site.cells.shell.iter().flat_map(|f| &f.polygon.points);
-            let reach = points.map(|p| p.truncate().length()).fold(0.0, f64::max);
-            site.on_map.origin.truncate().distance(at) < reach + clear
-        });
-        let slope = [DVec2::X, DVec2::Y].map(|d| (self.land.ground(at + d) - self.land.ground(at - d)).abs() / 2.0);
+        let near_site = self
+            .sites
+            .iter()
+            .filter(|s| s.def.kind == Kind::Building)
+            .any(|site| {
+                let points = site.cells.shell.iter().flat_map(|f| &f.polygon.points);
+                let reach = points.map(|p| p.truncate().length()).fold(0.0, f64::max);
+                site.on_map.origin.truncate().distance(at) < reach + clear
+            });
+        let slope =
+            [DVec2::X, DVec2::Y].map(|d| (self.land.ground(at + d) - self.land.ground(at - d)).abs() / 2.0);
         !water && !road && !near_site && slope[0] + slope[1] < 0.9 && on.is_none_or(|k| k == kind)
     }
 
@@ -370,26 +427,40 @@ impl Compiler<'_> {
         let (cell, place) = match &start.room {
             None => {
                 let Some((block, _)) = self.land.block_at(start.place.at) else {
-                    self.messages.error(start.span, "the start lies outside the land", "choose a place inside it");
+                    self.messages.error(
+                        start.span,
+                        "the start lies outside the land",
+                        "choose a place inside it",
+                    );
                     return None;
                 };
                 let corner = self.land.block_corner(block);
                 let origin: DVec3 = place.origin - corner.extend(0.0);
                 let (cell, _) = CellId::new(block, 0xFFFF).adjust_to_outside(origin.as_vec3())?;
-                (cell, Placement { origin, rotation: place.rotation })
+                (
+                    cell,
+                    Placement {
+                        origin,
+                        rotation: place.rotation,
+                    },
+                )
             }
             Some((site, room)) => {
                 let placed = self.sites.iter().find(|s| s.def.name.text == site.text);
                 let inside = placed.and_then(|s| Some((s, s.cell_of(Some(&room.text), place.origin)?)));
                 let Some((site, cell)) = inside else {
                     let message = format!("there is no room `{}` in a site `{}`", room.text, site.text);
-                    self.messages.error(room.span, message, "write: start in SITE ROOM at (x y z)");
+                    self.messages
+                        .error(room.span, message, "write: start in SITE ROOM at (x y z)");
                     return None;
                 };
                 (CellId::new(site.block, site.ids[cell]), place.within(site.place))
             }
         };
         let stored = frame(place);
-        Some(Position { cell, frame: Frame::new(stored.origin, stored.rotation) })
+        Some(Position {
+            cell,
+            frame: Frame::new(stored.origin, stored.rotation),
+        })
     }
 }

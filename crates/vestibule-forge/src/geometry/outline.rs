@@ -60,7 +60,12 @@ pub fn convex_parts(outline: &[DVec2]) -> Option<Vec<Vec<DVec2>>> {
                 }
             }
         }
-        return Some(parts.iter().map(|part| part.iter().map(|&i| points[i]).collect()).collect());
+        return Some(
+            parts
+                .iter()
+                .map(|part| part.iter().map(|&i| points[i]).collect())
+                .collect(),
+        );
     }
 }
 
@@ -74,7 +79,9 @@ fn join(a: &[usize], b: &[usize], points: &[DVec2]) -> Option<Vec<usize>> {
                 joined.extend((2..m).map(|k| b[(j + k) % m]));
                 let k = joined.len();
                 let at = |i: usize| points[joined[i % k]];
-                return (0..k).all(|i| turn(at(i), at(i + 1), at(i + 2)) >= -1.0e-12).then_some(joined);
+                return (0..k)
+                    .all(|i| turn(at(i), at(i + 1), at(i + 2)) >= -1.0e-12)
+                    .then_some(joined);
             }
         }
     }
@@ -87,7 +94,15 @@ mod tests {
 
     #[test]
     fn an_l_is_cut_in_two() {
-        let l = [(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0), (2.0, 5.0), (0.0, 5.0)].map(DVec2::from);
+        let l = [
+            (0.0, 0.0),
+            (4.0, 0.0),
+            (4.0, 2.0),
+            (2.0, 2.0),
+            (2.0, 5.0),
+            (0.0, 5.0),
+        ]
+        .map(DVec2::from);
         for outline in [l.to_vec(), l.iter().rev().copied().collect()] {
             let parts = convex_parts(&outline).unwrap_or_default();
             assert_eq!(parts.len(), 2);

@@ -29,7 +29,10 @@ pub enum Side {
 impl Plane {
     /// The plane through `point` with unit normal `normal`.
     pub fn through(normal: DVec3, point: DVec3) -> Self {
-        Plane { normal, d: -normal.dot(point) }
+        Plane {
+            normal,
+            d: -normal.dot(point),
+        }
     }
 
     /// The plane of a polygon (`dat-format.md` G4, in f64); `None` when it has no area.
@@ -42,7 +45,10 @@ impl Plane {
         }
         let normal = normal / length;
         let sum: f64 = points.iter().map(|p| normal.dot(*p)).sum();
-        Some(Plane { normal, d: -sum / points.len() as f64 })
+        Some(Plane {
+            normal,
+            d: -sum / points.len() as f64,
+        })
     }
 
     /// Signed distance of a point, metres.
@@ -52,18 +58,27 @@ impl Plane {
 
     /// The same plane facing the other way.
     pub fn flipped(&self) -> Self {
-        Plane { normal: -self.normal, d: -self.d }
+        Plane {
+            normal: -self.normal,
+            d: -self.d,
+        }
     }
 
     /// The plane without the rounding noise of turns: components below 1e-9 are zero.
     pub fn tidy(&self) -> Self {
         let tidy = |n: f64| if n.abs() < 1.0e-9 { 0.0 } else { n };
-        Plane { normal: DVec3::from_array(self.normal.to_array().map(tidy)), d: tidy(self.d) }
+        Plane {
+            normal: DVec3::from_array(self.normal.to_array().map(tidy)),
+            d: tidy(self.d),
+        }
     }
 
     /// The plane moved along its normal by `by` metres.
     pub fn moved(&self, by: f64) -> Self {
-        Plane { normal: self.normal, d: self.d - by }
+        Plane {
+            normal: self.normal,
+            d: self.d - by,
+        }
     }
 
     /// Side of a point, on the plane within [`ON_PLANE`].
@@ -101,7 +116,11 @@ impl Plane {
     /// planes that are not level `v` points as steeply up as the plane allows.
     pub fn axes(&self) -> (DVec3, DVec3) {
         let n = self.normal;
-        let u = if n.x.abs() + n.y.abs() > 1.0e-3 { DVec3::new(-n.y, n.x, 0.0).normalize() } else { DVec3::X };
+        let u = if n.x.abs() + n.y.abs() > 1.0e-3 {
+            DVec3::new(-n.y, n.x, 0.0).normalize()
+        } else {
+            DVec3::X
+        };
         (u, n.cross(u))
     }
 }

@@ -35,12 +35,17 @@ impl Polygon {
         let (u, v) = plane.axes();
         let center = plane.normal * -plane.d;
         let (u, v) = (u * half, v * half);
-        Polygon { points: vec![center - u - v, center + u - v, center + u + v, center - u + v], plane }
+        Polygon {
+            points: vec![center - u - v, center + u - v, center + u + v, center - u + v],
+            plane,
+        }
     }
 
     /// Area, square metres.
     pub fn area(&self) -> f64 {
-        let Some((&first, rest)) = self.points.split_first() else { return 0.0 };
+        let Some((&first, rest)) = self.points.split_first() else {
+            return 0.0;
+        };
         let sum: DVec3 = rest.windows(2).map(|w| (w[0] - first).cross(w[1] - first)).sum();
         sum.dot(self.plane.normal) * 0.5
     }
@@ -52,7 +57,10 @@ impl Polygon {
 
     /// The polygon seen from the other side.
     pub fn flipped(&self) -> Self {
-        Polygon { points: self.points.iter().rev().copied().collect(), plane: self.plane.flipped() }
+        Polygon {
+            points: self.points.iter().rev().copied().collect(),
+            plane: self.plane.flipped(),
+        }
     }
 
     /// Where it lies to a plane.
@@ -79,7 +87,11 @@ impl Polygon {
             Side::Back => return (None, Some(self.clone())),
             Side::On => {
                 let front = self.plane.normal.dot(plane.normal) > 0.0;
-                return if front { (Some(self.clone()), None) } else { (None, Some(self.clone())) };
+                return if front {
+                    (Some(self.clone()), None)
+                } else {
+                    (None, Some(self.clone()))
+                };
             }
             Side::Across => {}
         }
@@ -96,7 +108,11 @@ impl Polygon {
             }
             if (da > ON_PLANE && db < -ON_PLANE) || (da < -ON_PLANE && db > ON_PLANE) {
                 // From the same end whichever way the edge runs, so that neighbours get the same point.
-                let cut = if da > 0.0 { a + (b - a) * (da / (da - db)) } else { b + (a - b) * (db / (db - da)) };
+                let cut = if da > 0.0 {
+                    a + (b - a) * (da / (da - db))
+                } else {
+                    b + (a - b) * (db / (db - da))
+                };
                 front.push(cut);
                 back.push(cut);
             }
@@ -121,7 +137,9 @@ impl Polygon {
     pub fn intersection(&self, other: &Polygon) -> Option<Polygon> {
         other.edge_planes().try_fold(self.clone(), |part, edge| {
             // A part that only touches the edge from outside shares no area.
-            (part.side(&edge) != Side::On).then(|| part.clipped(&edge)).flatten()
+            (part.side(&edge) != Side::On)
+                .then(|| part.clipped(&edge))
+                .flatten()
         })
     }
 

@@ -37,7 +37,9 @@ impl Polytope {
                 |part, (other, _)| {
                     let inside = other.flipped();
                     // A face that lies in another plane facing away from it bounds nothing.
-                    (part.side(&inside) != Side::On).then(|| part.clipped(&inside)).flatten()
+                    (part.side(&inside) != Side::On)
+                        .then(|| part.clipped(&inside))
+                        .flatten()
                 },
             );
             faces.extend(face.map(|polygon| Face { polygon, tag: *tag }));
@@ -62,7 +64,9 @@ impl Polytope {
         for (i, a) in points.iter().enumerate() {
             for (j, b) in points.iter().enumerate().skip(i + 1) {
                 for c in &points[j + 1..] {
-                    let Some(plane) = Plane::of_points(&[*a, *b, *c]) else { continue };
+                    let Some(plane) = Plane::of_points(&[*a, *b, *c]) else {
+                        continue;
+                    };
                     let plane = match plane.side_of(points) {
                         Side::Back => plane,
                         Side::Front => plane.flipped(),
@@ -90,7 +94,8 @@ impl Polytope {
     /// Smallest and largest corner of the box around it.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        self.points().fold(start, |(low, high), p| (low.min(p), high.max(p)))
+        self.points()
+            .fold(start, |(low, high), p| (low.min(p), high.max(p)))
     }
 
     /// Mean of the corners: a point inside.
@@ -100,7 +105,9 @@ impl Polytope {
 
     /// Volume, cubic metres.
     pub fn volume(&self) -> f64 {
-        let Some(origin) = self.points().next() else { return 0.0 };
+        let Some(origin) = self.points().next() else {
+            return 0.0;
+        };
         let cone = |f: &Face| f.polygon.area() * f.polygon.plane.dist(origin) / -3.0;
         self.faces.iter().map(cone).sum()
     }
@@ -118,7 +125,11 @@ impl Polytope {
             back |= plane.dist(p) < -ON_PLANE;
         }
         if !(front && back) {
-            return if front { (Some(self.clone()), None) } else { (None, Some(self.clone())) };
+            return if front {
+                (Some(self.clone()), None)
+            } else {
+                (None, Some(self.clone()))
+            };
         }
         let part = |cut: Plane| {
             let mut planes = self.planes();
@@ -157,7 +168,11 @@ impl Polytope {
 
     /// The solid with every face moved inwards by `by` metres.
     pub fn shrunk(&self, by: f64) -> Option<Polytope> {
-        let planes: Vec<_> = self.planes().iter().map(|(p, tag)| (p.moved(-by), *tag)).collect();
+        let planes: Vec<_> = self
+            .planes()
+            .iter()
+            .map(|(p, tag)| (p.moved(-by), *tag))
+            .collect();
         Self::from_planes(&planes)
     }
 
@@ -167,6 +182,10 @@ impl Polytope {
             let points = f.polygon.points.iter().map(|p| map(*p)).collect();
             Polygon::new(points).map(|polygon| Face { polygon, tag: f.tag })
         };
-        self.faces.iter().map(face).collect::<Option<Vec<_>>>().map(|faces| Polytope { faces })
+        self.faces
+            .iter()
+            .map(face)
+            .collect::<Option<Vec<_>>>()
+            .map(|faces| Polytope { faces })
     }
 }

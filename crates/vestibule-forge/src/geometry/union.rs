@@ -1,6 +1,6 @@
 //! Unions of convex solids.
 
-use super::{Face, Plane, Polygon, Polytope, Side};
+use super::{CUT, Face, Plane, Polygon, Polytope, Side};
 
 /// A solid of any form: convex parts whose union it is. They may overlap.
 pub type Solid = Vec<Polytope>;
@@ -48,7 +48,10 @@ pub fn union_faces(parts: &[Polytope]) -> Vec<Face> {
                     pieces = pieces.iter().flat_map(|p| outside(p, other, j < i)).collect();
                 }
             }
-            out.extend(pieces.into_iter().map(|polygon| Face { polygon, tag: face.tag }));
+            out.extend(pieces.into_iter().map(|polygon| Face {
+                polygon,
+                tag: face.tag,
+            }));
         }
     }
     out
@@ -65,15 +68,14 @@ pub(crate) fn uncovered(polygon: &Polygon, solids: &[Polytope]) -> Vec<Polygon> 
 pub(crate) fn inside(polygon: &Polygon, solid: &Polytope) -> Option<Polygon> {
     solid.faces.iter().try_fold(polygon.clone(), |part, face| {
         let inwards = face.polygon.plane.flipped();
-        (part.side(&inwards) != Side::On).then(|| part.clipped(&inwards)).flatten()
+        (part.side(&inwards) != Side::On)
+            .then(|| part.clipped(&inwards))
+            .flatten()
     })
 }
 
-/// Tag of faces that were made by cutting and may be joined with any other.
-const CUT: u32 = u32::MAX;
-
 /// Joins parts that touch in a whole face and together are convex. Faces in one plane must have the same tag, or
-/// the tag `u32::MAX` (made by cutting).
+/// the tag [`CUT`].
 pub fn merge_convex(mut parts: Vec<Polytope>) -> Vec<Polytope> {
     'again: loop {
         for i in 0..parts.len() {
@@ -90,21 +92,28 @@ pub fn merge_convex(mut parts: Vec<Polytope>) -> Vec<Polytope> {
 }
 
 fn join(a: &Polytope, b: &Polytope) -> Option<Polytope> {
-    let touching = a
-        .faces
-        .iter()
-        .enumerate()
-        .find_map(|(i, f)| b.faces.iter().position(|g| f.polygon.meets(&g.polygon)).map(|j| (i, j)))?;
+    let touching = a.faces.iter().enumerate().find_map(|(i, f)| {
+        b.faces
+            .iter()
+            .position(|g| f.polygon.meets(&g.polygon))
+            .map(|j| (i, j))
+    })?;
     let keep = |p: &Polytope, skip: usize| -> Vec<(Plane, u32)> {
-        p.planes().into_iter().enumerate().filter(|(k, _)| *k != skip).map(|(_, plane)| plane).collect()
+        p.planes()
+            .into_iter()
+            .enumerate()
+            .filter(|(k, _)| *k != skip)
+            .map(|(_, plane)| plane)
+            .collect()
     };
     let mut planes = keep(a, touching.0);
     planes.extend(keep(b, touching.1));
     planes.sort_by_key(|(_, tag)| *tag == CUT);
-    let same_tags = planes
-        .iter()
-        .enumerate()
-        .all(|(k, (p, tag))| planes[..k].iter().all(|(q, other)| !p.same_as(q) || tag == other || *tag == CUT));
+    let same_tags = planes.iter().enumerate().all(|(k, (p, tag))| {
+        planes[..k]
+            .iter()
+            .all(|(q, other)| !p.same_as(q) || tag == other || *tag == CUT)
+    });
     let joined = Polytope::from_planes(&planes).filter(|_| same_tags)?;
     let volume = a.volume() + b.volume();
     ((joined.volume() - volume).abs() < 1.0e-6 * volume).then_some(joined)

@@ -47,7 +47,9 @@ const PATTERNS: [(&str, Pattern); 17] = [
 /// The pattern of that name, or all names there are.
 pub(crate) fn pattern_named(name: &str) -> Result<Pattern, Vec<&'static str>> {
     let found = PATTERNS.iter().find(|(n, _)| *n == name);
-    found.map(|(_, p)| *p).ok_or_else(|| PATTERNS.iter().map(|(n, _)| *n).collect())
+    found
+        .map(|(_, p)| *p)
+        .ok_or_else(|| PATTERNS.iter().map(|(n, _)| *n).collect())
 }
 
 /// A material as written.

@@ -54,7 +54,6 @@ impl Paint {
 /// A simple shape as written.
 #[derive(Clone, Debug)]
 pub(crate) struct SolidDef {
-    pub(crate) span: Span,
     /// Convex parts.
     pub(crate) parts: Vec<Polytope>,
     /// Or polygons to be closed into a volume, facing its inside.

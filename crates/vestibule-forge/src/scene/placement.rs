@@ -12,7 +12,10 @@ pub(crate) struct Placement {
 }
 
 impl Placement {
-    pub(crate) const IDENTITY: Self = Placement { origin: DVec3::ZERO, rotation: DQuat::IDENTITY };
+    pub(crate) const IDENTITY: Self = Placement {
+        origin: DVec3::ZERO,
+        rotation: DQuat::IDENTITY,
+    };
 
     pub(crate) fn to_outer(self, p: DVec3) -> DVec3 {
         self.origin + self.rotation * p
@@ -24,7 +27,10 @@ impl Placement {
 
     /// `self` inside `outer`, as seen from outside of both.
     pub(crate) fn within(self, outer: Placement) -> Placement {
-        Placement { origin: outer.to_outer(self.origin), rotation: (outer.rotation * self.rotation).normalize() }
+        Placement {
+            origin: outer.to_outer(self.origin),
+            rotation: (outer.rotation * self.rotation).normalize(),
+        }
     }
 }
 
@@ -51,7 +57,10 @@ impl PlaceDef {
     /// With heights above the ground resolved.
     pub(crate) fn resolve(&self, ground: impl Fn(DVec2) -> f64) -> Placement {
         let base = if self.height.ground { ground(self.at) } else { 0.0 };
-        Placement { origin: self.at.extend(base + self.height.metres), rotation: self.rotation }
+        Placement {
+            origin: self.at.extend(base + self.height.metres),
+            rotation: self.rotation,
+        }
     }
 }
 

@@ -8,8 +8,8 @@ use vestibule_world::BlockId;
 use super::placement::rotation;
 use super::read_site::RoomBody;
 use super::{
-    Collide, LightDef, Material, ModelDef, Paint, PlaceDef, Scatter, Scene, SiteDef, SolidDef, Start, StaticDef,
-    pattern_named, terrain_named,
+    Collide, LightDef, Material, ModelDef, Paint, PlaceDef, Scatter, Scene, SiteDef, SolidDef, Start,
+    StaticDef, pattern_named, terrain_named,
 };
 use crate::text::{Above, Args, Messages, Skip, Statement, Word, closest};
 
@@ -60,7 +60,12 @@ pub(crate) fn read(statements: &[Statement], messages: &mut Messages) -> Scene {
     for s in statements {
         let _ = reader.top(s);
     }
-    let Reader { materials, models, mut scene, .. } = reader;
+    let Reader {
+        materials,
+        models,
+        mut scene,
+        ..
+    } = reader;
     scene.materials = materials;
     scene.models = models;
     scene
@@ -87,7 +92,12 @@ impl Reader<'_> {
         Skip
     }
 
-    fn unknown_name<'n>(&mut self, word: &Word, what: &str, known: impl Iterator<Item = &'n str> + Clone) -> Skip {
+    fn unknown_name<'n>(
+        &mut self,
+        word: &Word,
+        what: &str,
+        known: impl Iterator<Item = &'n str> + Clone,
+    ) -> Skip {
         let help = match closest(&word.text, known.clone()) {
             Some(best) => format!("did you mean `{best}`?"),
             None => match known.collect::<Vec<_>>() {
@@ -95,7 +105,8 @@ impl Reader<'_> {
                 names => format!("known: {}", names.join(", ")),
             },
         };
-        self.messages.error(word.span, format!("there is no {what} `{}`", word.text), help);
+        self.messages
+            .error(word.span, format!("there is no {what} `{}`", word.text), help);
         Skip
     }
 
@@ -112,7 +123,8 @@ impl Reader<'_> {
                 let step = args.number("metres per height step", self.messages)?;
                 if !(0.01..=3.0).contains(&step) {
                     let help = "use 0.01 to 3 metres: 256 steps must cover the land";
-                    self.messages.error(args.keyword_span(), format!("a height step of {step} m"), help);
+                    self.messages
+                        .error(args.keyword_span(), format!("a height step of {step} m"), help);
                     return Err(Skip);
                 }
                 self.scene.height_step = step;
@@ -124,7 +136,10 @@ impl Reader<'_> {
                 let site: SiteDef = self.site(s)?;
                 if let Some(other) = self.scene.sites.iter().find(|o| o.name.text == site.name.text) {
                     let message = format!("a second site named `{}`", site.name.text);
-                    let help = format!("the first is in line {}; give this one another name", other.name.span.line);
+                    let help = format!(
+                        "the first is in line {}; give this one another name",
+                        other.name.span.line
+                    );
                     self.messages.error(site.name.span, message, help);
                 }
                 self.scene.sites.push(site);
@@ -177,7 +192,8 @@ impl Reader<'_> {
             let value = args.number("red, green and blue from 0 to 255", self.messages)?;
             if !(0.0..=255.0).contains(&value) {
                 let message = format!("{value} is not a brightness");
-                self.messages.error(span, message, "red, green and blue run from 0 to 255");
+                self.messages
+                    .error(span, message, "red, green and blue run from 0 to 255");
                 return Err(Skip);
             }
             *channel = value as u8;
@@ -197,8 +213,14 @@ impl Reader<'_> {
                 return None;
             }
         };
-        let mut material =
-            Material { name, pattern, color: [128; 3], second: [80; 3], size: 2.0, seed: self.materials.len() as u32 };
+        let mut material = Material {
+            name,
+            pattern,
+            color: [128; 3],
+            second: [80; 3],
+            size: 2.0,
+            seed: 0,
+        };
         while let Some(word) = args.any_word() {
             match word.text.as_str() {
                 "color" => material.color = self.color(&mut args).ok()?,
@@ -226,12 +248,17 @@ impl Reader<'_> {
             collide: Collide::Polygons,
             lights: Vec::new(),
         };
+        let mut complete = true;
         for s in s.block.iter().flatten() {
-            let _ = self.model_statement(s, &mut model);
+            complete &= self.model_statement(s, &mut model).is_ok();
         }
-        if model.solids.is_empty() {
+        if model.solids.is_empty() && complete {
             let message = format!("model `{}` has no shape", model.name.text);
-            self.messages.error(model.name.span, message, "add a box, prism, hull, column, cone or ball to it");
+            self.messages.error(
+                model.name.span,
+                message,
+                "add a box, prism, hull, column, cone or ball to it",
+            );
             return None;
         }
         Some(model)
@@ -247,7 +274,8 @@ impl Reader<'_> {
         }
         match s.keyword.text.as_str() {
             "collide" => {
-                let usage = "collide polygons | nothing | cylinder RADIUS HEIGHT | sphere CENTRE_HEIGHT RADIUS";
+                let usage =
+                    "collide polygons | nothing | cylinder RADIUS HEIGHT | sphere CENTRE_HEIGHT RADIUS";
                 let mut args = Args::new(s, usage);
                 let kind = args.word("polygons, nothing, cylinder or sphere", self.messages)?;
                 model.collide = match kind.text.as_str() {
@@ -261,7 +289,13 @@ impl Reader<'_> {
                         let height = args.number("the height of the centre", self.messages)?;
                         Collide::Sphere(height, args.number("a radius", self.messages)?)
                     }
-                    _ => return Err(self.unknown(&kind, &["polygons", "nothing", "cylinder", "sphere"], "collide")),
+                    _ => {
+                        return Err(self.unknown(
+                            &kind,
+                            &["polygons", "nothing", "cylinder", "sphere"],
+                            "collide",
+                        ));
+                    }
                 };
                 args.end(self.messages)
             }
@@ -271,7 +305,12 @@ impl Reader<'_> {
                 let color = self.color(&mut args)?;
                 let intensity = args.number("an intensity", self.messages)?;
                 let falloff = args.number("a falloff in metres", self.messages)?;
-                model.lights.push(LightDef { at, color, intensity, falloff });
+                model.lights.push(LightDef {
+                    at,
+                    color,
+                    intensity,
+                    falloff,
+                });
                 args.end(self.messages)
             }
             _ => Err(self.unknown(&s.keyword, MODEL_KEYWORDS, "a model")),
@@ -296,13 +335,24 @@ impl Reader<'_> {
         };
         let place = self.place(&mut args)?;
         args.end(self.messages)?;
-        Ok(StaticDef { span: s.keyword.span, model, room, place })
+        Ok(StaticDef {
+            span: s.keyword.span,
+            model,
+            room,
+            place,
+        })
     }
 
     /// `at (x y z) [turn DEG] [tilt DEG] [roll DEG] [open DEG]`.
     pub(super) fn place(&mut self, args: &mut Args<'_>) -> Result<PlaceDef, Skip> {
         let span = args.span();
-        let (mut at, mut height) = (DVec2::ZERO, Above { metres: 0.0, ground: false });
+        let (mut at, mut height) = (
+            DVec2::ZERO,
+            Above {
+                metres: 0.0,
+                ground: false,
+            },
+        );
         let (mut turn, mut tilt, mut roll) = (0.0, 0.0, 0.0);
         while let Some(word) = args.any_word() {
             match word.text.as_str() {
@@ -313,9 +363,17 @@ impl Reader<'_> {
                 _ => return Err(self.unknown(&word, &["at", "turn", "tilt", "roll", "open"], "a place")),
             }
         }
-        let rotation =
-            if (turn, tilt, roll) == (0.0, 0.0, 0.0) { DQuat::IDENTITY } else { rotation(turn, tilt, roll) };
-        Ok(PlaceDef { at, height, rotation, span })
+        let rotation = if (turn, tilt, roll) == (0.0, 0.0, 0.0) {
+            DQuat::IDENTITY
+        } else {
+            rotation(turn, tilt, roll)
+        };
+        Ok(PlaceDef {
+            at,
+            height,
+            rotation,
+            span,
+        })
     }
 
     fn scatter(&mut self, s: &Statement) -> Result<(), Skip> {
@@ -328,8 +386,15 @@ impl Reader<'_> {
         };
         let count = args.number("a count", self.messages)?.clamp(0.0, 10_000.0) as u32;
         let (a, b) = (args.point2(self.messages)?, args.point2(self.messages)?);
-        let mut scatter =
-            Scatter { model, count, seed: 1, low: a.min(b), high: a.max(b), clear: 3.0, on: None };
+        let mut scatter = Scatter {
+            model,
+            count,
+            seed: 1,
+            low: a.min(b),
+            high: a.max(b),
+            clear: 3.0,
+            on: None,
+        };
         while let Some(word) = args.any_word() {
             match word.text.as_str() {
                 "seed" => scatter.seed = args.number("a seed", self.messages)? as u32,
@@ -353,12 +418,19 @@ impl Reader<'_> {
     fn start(&mut self, s: &Statement) -> Result<(), Skip> {
         let mut args = Args::new(s, "start [SITE ROOM] at (x y ~z) [turn DEGREES]");
         let room = if args.accept("in") {
-            Some((args.word("a site", self.messages)?, args.word("a room", self.messages)?))
+            Some((
+                args.word("a site", self.messages)?,
+                args.word("a room", self.messages)?,
+            ))
         } else {
             None
         };
         let place = self.place(&mut args)?;
-        self.scene.start = Some(Start { span: s.keyword.span, room, place });
+        self.scene.start = Some(Start {
+            span: s.keyword.span,
+            room,
+            place,
+        });
         args.end(self.messages)
     }
 }
@@ -371,20 +443,40 @@ const MODEL_KEYWORDS: &[&str] = &[
 impl Material {
     /// Used when a scene defines no material.
     fn default_material() -> Self {
-        let name = Word { text: "plain".to_owned(), span: Default::default() };
+        let name = Word {
+            text: "plain".to_owned(),
+            span: Default::default(),
+        };
         let pattern = super::Pattern::Grain;
-        Material { name, pattern, color: [150, 145, 135], second: [110; 3], size: 2.0, seed: 0 }
+        Material {
+            name,
+            pattern,
+            color: [150, 145, 135],
+            second: [110; 3],
+            size: 2.0,
+            seed: 0,
+        }
     }
 }
 
 impl Paint {
     pub(super) fn plain(material: usize) -> Self {
-        Paint { up: material, side: material, down: material, special: Vec::new() }
+        Paint {
+            up: material,
+            side: material,
+            down: material,
+            special: Vec::new(),
+        }
     }
 }
 
 impl SolidDef {
-    pub(super) fn new(span: crate::text::Span) -> Self {
-        SolidDef { span, parts: Vec::new(), polygons: Vec::new(), all: None, top: None }
+    pub(super) fn new() -> Self {
+        SolidDef {
+            parts: Vec::new(),
+            polygons: Vec::new(),
+            all: None,
+            top: None,
+        }
     }
 }

@@ -11,10 +11,12 @@ use super::{
 use crate::geometry::Polytope;
 use crate::text::{Above, Args, Skip, Statement, Word};
 
-const SITE_KEYWORDS: &[&str] = &["shell", "room", "opening", "portal", "exit", "window", "static", "door"];
+const SITE_KEYWORDS: &[&str] = &[
+    "shell", "room", "opening", "portal", "exit", "window", "static", "door",
+];
 const ROOM_KEYWORDS: &[&str] = &[
-    "box", "prism", "hull", "ramp", "wedge", "column", "poly", "floor", "walls", "ceiling", "material", "face",
-    "block", "stairs",
+    "box", "prism", "hull", "ramp", "wedge", "column", "poly", "floor", "walls", "ceiling", "material",
+    "face", "block", "stairs",
 ];
 
 /// What a room is made of; a `shape` is a room body with a name.
@@ -27,7 +29,11 @@ pub(super) struct RoomBody {
 
 impl RoomBody {
     fn new() -> Self {
-        RoomBody { solids: Vec::new(), fixtures: Vec::new(), paint: Paint::plain(0) }
+        RoomBody {
+            solids: Vec::new(),
+            fixtures: Vec::new(),
+            paint: Paint::plain(0),
+        }
     }
 }
 
@@ -53,18 +59,27 @@ impl Reader<'_> {
             true => Kind::Building,
             false => Kind::Dungeon(BlockId(args.hex("its landblock, as 0x0107,", self.messages)?)),
         };
-        if let Kind::Dungeon(block) = kind {
-            if !block.is_on_map() {
-                let message = format!("landblock {block} is not on the map");
-                self.messages.error(args.keyword_span(), message, "use 0x0000 to 0xFEFE");
-                return Err(Skip);
-            }
+        if let Kind::Dungeon(block) = kind
+            && !block.is_on_map()
+        {
+            let message = format!("landblock {block} is not on the map");
+            self.messages
+                .error(args.keyword_span(), message, "use 0x0000 to 0xFEFE");
+            return Err(Skip);
         }
         let place = if args.more() {
             self.place(&mut args)?
         } else {
-            let height = Above { metres: 0.0, ground: false };
-            PlaceDef { at: DVec2::ZERO, height, rotation: DQuat::IDENTITY, span: name.span }
+            let height = Above {
+                metres: 0.0,
+                ground: false,
+            };
+            PlaceDef {
+                at: DVec2::ZERO,
+                height,
+                rotation: DQuat::IDENTITY,
+                span: name.span,
+            }
         };
         args.end(self.messages)?;
         let mut site = SiteDef {
@@ -87,7 +102,10 @@ impl Reader<'_> {
         match s.keyword.text.as_str() {
             "shell" => {
                 Args::new(s, "shell { … }").end(self.messages)?;
-                let mut shell = ShellDef { solids: Vec::new(), paint: Paint::plain(0) };
+                let mut shell = ShellDef {
+                    solids: Vec::new(),
+                    paint: Paint::plain(0),
+                };
                 for s in s.block.iter().flatten() {
                     let _ = self.shell_statement(s, &mut shell);
                 }
@@ -98,7 +116,10 @@ impl Reader<'_> {
                 let room = self.room(s)?;
                 if let Some(other) = site.rooms.iter().find(|r| r.name.text == room.name.text) {
                     let message = format!("a second room named `{}`", room.name.text);
-                    let help = format!("the first is in line {}; give this one another name", other.name.span.line);
+                    let help = format!(
+                        "the first is in line {}; give this one another name",
+                        other.name.span.line
+                    );
                     self.messages.error(room.name.span, message, help);
                 }
                 site.rooms.push(room);
@@ -110,10 +131,19 @@ impl Reader<'_> {
                     _ => "portal ROOM ROOM [rect (x y z) (x y z) | poly (x y z) …]",
                 };
                 let mut args = Args::new(s, usage);
-                let (from, to) = (args.word("a room", self.messages)?, args.word("a room", self.messages)?);
+                let (from, to) = (
+                    args.word("a room", self.messages)?,
+                    args.word("a room", self.messages)?,
+                );
                 let opening = self.opening(s, &mut args)?;
                 let one_way = s.keyword.text == "portal";
-                site.links.push(Link { span: s.keyword.span, from, to, opening, one_way });
+                site.links.push(Link {
+                    span: s.keyword.span,
+                    from,
+                    to,
+                    opening,
+                    one_way,
+                });
                 Ok(())
             }
             "exit" | "window" => {
@@ -121,7 +151,12 @@ impl Reader<'_> {
                 let from = args.word("a room", self.messages)?;
                 let opening = self.opening(s, &mut args)?;
                 let pane = s.keyword.text == "window";
-                site.exits.push(Exit { span: s.keyword.span, from, opening, pane });
+                site.exits.push(Exit {
+                    span: s.keyword.span,
+                    from,
+                    opening,
+                    pane,
+                });
                 Ok(())
             }
             "static" | "door" => {
@@ -142,8 +177,8 @@ impl Reader<'_> {
             return Ok(());
         }
         let known = [
-            "box", "prism", "hull", "column", "cone", "ball", "ramp", "wedge", "poly", "material", "sides", "top",
-            "bottom", "face",
+            "box", "prism", "hull", "column", "cone", "ball", "ramp", "wedge", "poly", "material", "sides",
+            "top", "bottom", "face",
         ];
         Err(self.unknown(&s.keyword, &known, "a shell"))
     }
@@ -159,8 +194,13 @@ impl Reader<'_> {
                 (false, true, false) => (DVec3::X * d.x, DVec3::Z * d.z),
                 (false, false, true) => (DVec3::X * d.x, DVec3::Y * d.y),
                 _ => {
-                    let help = "its two corners must agree in exactly one of x, y, z; use poly for slanted openings";
-                    self.messages.error(args.keyword_span(), "this rectangle is not upright or level", help);
+                    let help =
+                        "its two corners must agree in exactly one of x, y, z; use poly for slanted openings";
+                    self.messages.error(
+                        args.keyword_span(),
+                        "this rectangle is not upright or level",
+                        help,
+                    );
                     return Err(Skip);
                 }
             };
@@ -176,7 +216,10 @@ impl Reader<'_> {
     }
 
     fn room(&mut self, s: &Statement) -> Result<RoomDef, Skip> {
-        let mut args = Args::new(s, "room NAME [SHAPE] [id 0xNNNN] [at (x y z)] [turn DEGREES] { … }");
+        let mut args = Args::new(
+            s,
+            "room NAME [SHAPE] [id 0xNNNN] [at (x y z)] [turn DEGREES] { … }",
+        );
         let name = args.word("a name", self.messages)?;
         let (mut body, mut id) = (RoomBody::new(), None);
         let mut place = Placement::IDENTITY;
@@ -200,24 +243,41 @@ impl Reader<'_> {
                 let def = self.place(&mut args)?;
                 if def.height.ground {
                     let help = "rooms stand in the coordinates of their site; use `~` on the site itself";
-                    self.messages.error(span, "a room cannot stand above the ground", help);
+                    self.messages
+                        .error(span, "a room cannot stand above the ground", help);
                     return Err(Skip);
                 }
                 place = def.resolve(|_| 0.0);
                 args.end(self.messages)?;
             }
         }
-        let RoomBody { solids, fixtures, paint } = self.room_body(s, body, &name);
-        Ok(RoomDef { name, id, place, solids, fixtures, paint })
+        let RoomBody {
+            solids,
+            fixtures,
+            paint,
+        } = self.room_body(s, body, &name);
+        Ok(RoomDef {
+            name,
+            id,
+            place,
+            solids,
+            fixtures,
+            paint,
+        })
     }
 
     fn room_body(&mut self, s: &Statement, mut body: RoomBody, name: &Word) -> RoomBody {
+        let mut complete = true;
         for s in s.block.iter().flatten() {
-            let _ = self.room_statement(s, &mut body);
+            complete &= self.room_statement(s, &mut body).is_ok();
         }
-        if body.solids.is_empty() {
+        if body.solids.is_empty() && complete {
             let message = format!("room `{}` has no shape", name.text);
-            self.messages.error(name.span, message, "add a box, prism, hull, ramp or polygons to it");
+            self.messages.error(
+                name.span,
+                message,
+                "add a box, prism, hull, ramp or polygons to it",
+            );
         }
         body
     }
@@ -249,7 +309,10 @@ impl Reader<'_> {
                         solid.top = solid.top.or(Some(paint.up));
                     }
                 }
-                body.fixtures.push(Fixture { draw: solids.clone(), physics: solids });
+                body.fixtures.push(Fixture {
+                    draw: solids.clone(),
+                    physics: solids,
+                });
                 Ok(())
             }
             "stairs" => {
@@ -275,7 +338,9 @@ impl Reader<'_> {
             "south" => DVec3::NEG_Y,
             _ => return Err(self.unknown(&direction, &["east", "north", "west", "south"], "stairs")),
         };
-        let steps = args.number("the number of steps", self.messages)?.clamp(1.0, 100.0) as usize;
+        let steps = args
+            .number("the number of steps", self.messages)?
+            .clamp(1.0, 100.0) as usize;
         let rough = args.accept("rough");
         let all = match args.any_word() {
             Some(word) => Some(self.material_named(&word)?),
@@ -286,12 +351,24 @@ impl Reader<'_> {
         let (length, rise) = (axis.abs().dot(size), size.z / steps as f64);
         let run = length / steps as f64;
         if rise <= 0.0 || run <= 0.0 || size.min_element() <= 0.0 {
-            self.messages.error(s.keyword.span, "these stairs are flat", "give their box a length, width and height");
+            self.messages.error(
+                s.keyword.span,
+                "these stairs are flat",
+                "give their box a length, width and height",
+            );
             return Err(Skip);
         }
         if rise > run * 1.12 {
-            let message = format!("these stairs rise {:.0} cm on {:.0} cm: too steep to walk", rise * 100.0, run * 100.0);
-            self.messages.warning(s.keyword.span, message, "make them longer: at most 48 degrees can be walked");
+            let message = format!(
+                "these stairs rise {:.0} cm on {:.0} cm: too steep to walk",
+                rise * 100.0,
+                run * 100.0
+            );
+            self.messages.warning(
+                s.keyword.span,
+                message,
+                "make them longer: at most 48 degrees can be walked",
+            );
         }
         // From the lower end, across the stairs.
         let foot = DVec3::new(
@@ -302,7 +379,11 @@ impl Reader<'_> {
         let across = DVec3::new(axis.y.abs() * size.x, axis.x.abs() * size.y, 0.0);
         let point = |along: f64, z: f64| foot + axis * along + DVec3::Z * z;
         let solid = |part: Option<Polytope>| {
-            part.map(|part| SolidDef { parts: vec![part], all, ..SolidDef::new(s.keyword.span) })
+            part.map(|part| SolidDef {
+                parts: vec![part],
+                all,
+                ..SolidDef::new()
+            })
         };
         let step = |k: usize| {
             let (from, to) = (k as f64 * run, (k + 1) as f64 * run);
@@ -312,11 +393,19 @@ impl Reader<'_> {
         let physics = if rough {
             draw.clone()
         } else {
-            let profile = [(-run, 0.0), (length - run, size.z), (length, size.z), (length, 0.0)];
-            let points = profile.iter().flat_map(|&(x, z)| [point(x, z), point(x, z) + across]);
-            solid(Polytope::hull(&points.collect::<Vec<_>>())).into_iter().collect()
+            let profile = [
+                (-run, 0.0),
+                (length - run, size.z),
+                (length, size.z),
+                (length, 0.0),
+            ];
+            let points = profile
+                .iter()
+                .flat_map(|&(x, z)| [point(x, z), point(x, z) + across]);
+            solid(Polytope::hull(&points.collect::<Vec<_>>()))
+                .into_iter()
+                .collect()
         };
         Ok(Fixture { draw, physics })
     }
 }
-

@@ -20,13 +20,15 @@ impl Reader<'_> {
             "column" => "column (x y z) RADIUS HEIGHT [SIDES]",
             "cone" => "cone (x y z) RADIUS HEIGHT [SIDES]",
             "ball" => "ball (x y z) RADIUS [RADIUS_Y RADIUS_Z]",
-            "ramp" => "ramp (x y z) (x y z) east|north|west|south HEIGHT (from the low end's floor to the high end's)",
+            "ramp" => {
+                "ramp (x y z) (x y z) east|north|west|south HEIGHT (from the low end's floor to the high end's)"
+            }
             "wedge" => "wedge (x y z) (x y z) east|north|west|south",
             "poly" => "poly (x y z) (x y z) (x y z) …",
             _ => return Ok(None),
         };
         let mut args = Args::new(s, usage);
-        let mut solid = SolidDef::new(s.keyword.span);
+        let mut solid = SolidDef::new();
         self.solid_shape(s, &mut args, &mut solid)?;
         while let Some(word) = args.any_word() {
             if word.text == "top" {
@@ -52,7 +54,11 @@ impl Reader<'_> {
                 let points = args.points3(4, m)?;
                 if points.len() > MAX_HULL {
                     let message = format!("a hull of {} points", points.len());
-                    m.error(s.keyword.span, message, format!("use at most {MAX_HULL}, or several hulls"));
+                    m.error(
+                        s.keyword.span,
+                        message,
+                        format!("use at most {MAX_HULL}, or several hulls"),
+                    );
                     return Err(Skip);
                 }
                 Polytope::hull(&points)
@@ -65,7 +71,11 @@ impl Reader<'_> {
                 if s.keyword.text == "cone" {
                     points.push(foot + DVec3::Z * height);
                 } else {
-                    points.extend(ring(foot + DVec3::Z * height, DVec3::new(radius, radius, 0.0), sides));
+                    points.extend(ring(
+                        foot + DVec3::Z * height,
+                        DVec3::new(radius, radius, 0.0),
+                        sides,
+                    ));
                 }
                 Polytope::hull(&points)
             }
@@ -94,7 +104,11 @@ impl Reader<'_> {
                     _ => return Err(self.unknown(&direction, &["east", "north", "west", "south"], "a ramp")),
                 };
                 let corner = |(x, y): (u8, u8), z: f64| {
-                    DVec3::new(if x == 0 { low.x } else { high.x }, if y == 0 { low.y } else { high.y }, z)
+                    DVec3::new(
+                        if x == 0 { low.x } else { high.x },
+                        if y == 0 { low.y } else { high.y },
+                        z,
+                    )
                 };
                 let mut points: Vec<DVec3> = near.map(|c| corner(c, low.z)).to_vec();
                 points.extend(far.map(|c| corner(c, high.z)));
@@ -135,10 +149,18 @@ impl Reader<'_> {
         self.paint(s, paint, known)
     }
 
-    fn paint(&mut self, s: &Statement, paint: &mut Paint, [all, up, side, down]: [&str; 4]) -> Result<bool, Skip> {
+    fn paint(
+        &mut self,
+        s: &Statement,
+        paint: &mut Paint,
+        [all, up, side, down]: [&str; 4],
+    ) -> Result<bool, Skip> {
         let keyword = s.keyword.text.as_str();
         if keyword == "face" {
-            let mut args = Args::new(s, "face (x y z) MATERIAL, where (x y z) is the way the face looks");
+            let mut args = Args::new(
+                s,
+                "face (x y z) MATERIAL, where (x y z) is the way the face looks",
+            );
             let direction = args.point3(self.messages)?;
             let word = args.word("a material", self.messages)?;
             let material = self.material_named(&word)?;
@@ -154,7 +176,10 @@ impl Reader<'_> {
         let material = self.material_named(&word)?;
         args.end(self.messages)?;
         if keyword == all {
-            *paint = Paint { special: paint.special.clone(), ..Paint::plain(material) };
+            *paint = Paint {
+                special: paint.special.clone(),
+                ..Paint::plain(material)
+            };
         } else if keyword == up {
             paint.up = material;
         } else if keyword == side {
@@ -187,33 +212,55 @@ fn prism(s: &Statement, args: &mut Args<'_>, m: &mut Messages) -> Result<Vec<Pol
     };
     let Some(parts) = convex_parts(&outline) else {
         let help = "list the corners in order around the outline; it must not cross or touch itself";
-        m.error(s.keyword.span, "the outline of this prism crosses itself or is flat", help);
+        m.error(
+            s.keyword.span,
+            "the outline of this prism crosses itself or is flat",
+            help,
+        );
         return Err(Skip);
     };
     let solid = |part: &Vec<DVec2>| {
         let ends = [ends.0, ends.1].into_iter();
-        Polytope::hull(&ends.flat_map(|end| part.iter().map(move |p| lift(*p, end))).collect::<Vec<_>>())
+        Polytope::hull(
+            &ends
+                .flat_map(|end| part.iter().map(move |p| lift(*p, end)))
+                .collect::<Vec<_>>(),
+        )
     };
-    parts.iter().map(solid).collect::<Option<Vec<_>>>().ok_or_else(|| {
-        let help = "its two ends must be apart; its corners at least a millimetre from each other";
-        m.error(s.keyword.span, "this prism is flat", help);
-        Skip
-    })
+    parts
+        .iter()
+        .map(solid)
+        .collect::<Option<Vec<_>>>()
+        .ok_or_else(|| {
+            let help = "its two ends must be apart; its corners at least a millimetre from each other";
+            m.error(s.keyword.span, "this prism is flat", help);
+            Skip
+        })
 }
 
 /// A convex polygon from written points.
 pub(super) fn polygon(s: &Statement, points: Vec<DVec3>, m: &mut Messages) -> Result<Polygon, Skip> {
     let span = s.keyword.span;
     let Some(polygon) = Polygon::new(points) else {
-        m.error(span, "this polygon has no area", "its points must not lie on one line");
+        m.error(
+            span,
+            "this polygon has no area",
+            "its points must not lie on one line",
+        );
         return Err(Skip);
     };
-    if polygon.points.iter().any(|p| polygon.plane.dist(*p).abs() > 1.0e-3) {
+    if polygon
+        .points
+        .iter()
+        .any(|p| polygon.plane.dist(*p).abs() > 1.0e-3)
+    {
         let help = "move its points into one plane, or cut it into triangles";
         m.error(span, "the points of this polygon do not lie in one plane", help);
         return Err(Skip);
     }
-    let convex = polygon.edge_planes().all(|e| polygon.points.iter().all(|p| e.dist(*p) > -1.0e-3));
+    let convex = polygon
+        .edge_planes()
+        .all(|e| polygon.points.iter().all(|p| e.dist(*p) > -1.0e-3));
     if !convex {
         let help = "list its corners in order around it; cut it in two where it bends inwards";
         m.error(span, "this polygon is not convex", help);

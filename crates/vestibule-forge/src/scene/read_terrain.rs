@@ -4,7 +4,9 @@ use super::read::Reader;
 use super::{Area, TerrainOp};
 use crate::text::{Args, Skip, Statement};
 
-const KEYWORDS: &[&str] = &["base", "noise", "hill", "ridge", "bowl", "level", "set", "paint", "road"];
+const KEYWORDS: &[&str] = &[
+    "base", "noise", "hill", "ridge", "bowl", "level", "set", "paint", "road",
+];
 
 impl Reader<'_> {
     pub(super) fn terrain(&mut self, s: &Statement) -> Result<(), Skip> {
@@ -42,7 +44,8 @@ impl Reader<'_> {
                 let length = a.number("a wavelength", self.messages)?;
                 if length < 24.0 {
                     let help = "terrain has a vertex every 24 m; use 24 or more";
-                    self.messages.error(s.keyword.span, format!("a wavelength of {length} m"), help);
+                    self.messages
+                        .error(s.keyword.span, format!("a wavelength of {length} m"), help);
                     return Err(Skip);
                 }
                 TerrainOp::Noise(height, length, a.any_number().unwrap_or(1.0) as u32)
@@ -61,7 +64,12 @@ impl Reader<'_> {
                 let center = a.point2(self.messages)?;
                 let inner = a.number("the inner radius", self.messages)?;
                 let outer = a.number("the outer radius", self.messages)?;
-                TerrainOp::Bowl(center, inner, outer.max(inner + 1.0), a.number("a height", self.messages)?)
+                TerrainOp::Bowl(
+                    center,
+                    inner,
+                    outer.max(inner + 1.0),
+                    a.number("a height", self.messages)?,
+                )
             }
             "level" => {
                 let (p, q) = (a.point2(self.messages)?, a.point2(self.messages)?);
@@ -98,7 +106,15 @@ impl Reader<'_> {
                 Area::Patches(share, args.any_number().unwrap_or(1.0) as u32)
             }
             _ => {
-                let known = ["everywhere", "box", "circle", "above", "below", "steeper", "patches"];
+                let known = [
+                    "everywhere",
+                    "box",
+                    "circle",
+                    "above",
+                    "below",
+                    "steeper",
+                    "patches",
+                ];
                 return Err(self.unknown(&word, &known, "paint"));
             }
         })

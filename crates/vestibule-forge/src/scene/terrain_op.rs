@@ -43,7 +43,10 @@ pub(crate) const TERRAIN_TYPES: [(&str, u8); 33] = [
 
 /// The terrain type of that name; roads are not painted with types.
 pub(crate) fn terrain_named(name: &str) -> Option<u8> {
-    TERRAIN_TYPES.iter().find(|(n, t)| *n == name && *t < 32).map(|(_, t)| *t)
+    TERRAIN_TYPES
+        .iter()
+        .find(|(n, t)| *n == name && *t < 32)
+        .map(|(_, t)| *t)
 }
 
 /// Which vertices are painted.

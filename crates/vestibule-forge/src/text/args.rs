@@ -18,7 +18,11 @@ pub(crate) struct Args<'a> {
 
 impl<'a> Args<'a> {
     pub(crate) fn new(statement: &'a Statement, usage: &'static str) -> Self {
-        Args { statement, at: 0, usage }
+        Args {
+            statement,
+            at: 0,
+            usage,
+        }
     }
 
     pub(crate) fn keyword_span(&self) -> Span {
@@ -27,7 +31,10 @@ impl<'a> Args<'a> {
 
     /// Where the next argument is, or the keyword if there is none.
     pub(crate) fn span(&self) -> Span {
-        self.statement.args.get(self.at).map_or(self.statement.keyword.span, |(span, _)| *span)
+        self.statement
+            .args
+            .get(self.at)
+            .map_or(self.statement.keyword.span, |(span, _)| *span)
     }
 
     fn peek(&self) -> Option<&'a Value> {
@@ -55,7 +62,10 @@ impl<'a> Args<'a> {
     pub(crate) fn word(&mut self, what: &str, messages: &mut Messages) -> Result<Word, Skip> {
         match self.peek() {
             Some(Value::Word(text)) => {
-                let word = Word { text: text.clone(), span: self.span() };
+                let word = Word {
+                    text: text.clone(),
+                    span: self.span(),
+                };
                 self.at += 1;
                 Ok(word)
             }
@@ -74,7 +84,10 @@ impl<'a> Args<'a> {
     pub(crate) fn any_word(&mut self) -> Option<Word> {
         match self.peek() {
             Some(Value::Word(text)) => {
-                let word = Word { text: text.clone(), span: self.span() };
+                let word = Word {
+                    text: text.clone(),
+                    span: self.span(),
+                };
                 self.at += 1;
                 Some(word)
             }
@@ -115,9 +128,9 @@ impl<'a> Args<'a> {
     /// A landblock or cell number, written 0xA9B4.
     pub(crate) fn hex(&mut self, what: &str, messages: &mut Messages) -> Result<u16, Skip> {
         let value = match self.peek() {
-            Some(Value::Word(text)) => {
-                text.strip_prefix("0x").and_then(|digits| u16::from_str_radix(digits, 16).ok())
-            }
+            Some(Value::Word(text)) => text
+                .strip_prefix("0x")
+                .and_then(|digits| u16::from_str_radix(digits, 16).ok()),
             _ => None,
         };
         match value {
@@ -161,7 +174,10 @@ impl<'a> Args<'a> {
     pub(crate) fn place(&mut self, messages: &mut Messages) -> Result<(DVec2, Above), Skip> {
         match self.tuple(3) {
             Some(n) => Ok((DVec2::new(n[0].metres, n[1].metres), n[2])),
-            None => Err(self.wrong("a place (x y z), or (x y ~z) for a height above the ground,", messages)),
+            None => Err(self.wrong(
+                "a place (x y z), or (x y ~z) for a height above the ground,",
+                messages,
+            )),
         }
     }
 
@@ -183,6 +199,10 @@ impl<'a> Args<'a> {
 
     /// Complains about what is left over.
     pub(crate) fn end(&self, messages: &mut Messages) -> Result<(), Skip> {
-        if self.more() { Err(self.wrong("nothing more", messages)) } else { Ok(()) }
+        if self.more() {
+            Err(self.wrong("nothing more", messages))
+        } else {
+            Ok(())
+        }
     }
 }

@@ -36,7 +36,14 @@ impl fmt::Display for Diagnostic {
             Severity::Warning => "warning",
             Severity::Error => "error",
         };
-        let Diagnostic { file, line, column, message, help, .. } = self;
+        let Diagnostic {
+            file,
+            line,
+            column,
+            message,
+            help,
+            ..
+        } = self;
         write!(f, "{file}:{line}:{column}: {severity}: {message}\n  help: {help}")
     }
 }
@@ -68,13 +75,27 @@ pub(crate) struct Messages {
 
 impl Messages {
     pub(crate) fn new(files: Vec<String>) -> Self {
-        Messages { files, found: Vec::new() }
+        Messages {
+            files,
+            found: Vec::new(),
+        }
     }
 
     fn add(&mut self, severity: Severity, span: Span, message: String, help: String) {
-        let file = self.files.get(usize::from(span.file)).cloned().unwrap_or_default();
+        let file = self
+            .files
+            .get(usize::from(span.file))
+            .cloned()
+            .unwrap_or_default();
         let Span { line, column, .. } = span;
-        let diagnostic = Diagnostic { severity, file, line, column, message, help };
+        let diagnostic = Diagnostic {
+            severity,
+            file,
+            line,
+            column,
+            message,
+            help,
+        };
         if !self.found.iter().any(|(_, d)| *d == diagnostic) {
             self.found.push((span, diagnostic));
         }
@@ -102,7 +123,10 @@ impl Messages {
 /// The one of `known` that `text` was probably meant to be.
 pub(crate) fn closest<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let limit = text.chars().count() / 3 + 1;
-    let scored = known.into_iter().map(|k| (edit_distance(text, k), k)).min_by_key(|(d, _)| *d)?;
+    let scored = known
+        .into_iter()
+        .map(|k| (edit_distance(text, k), k))
+        .min_by_key(|(d, _)| *d)?;
     (scored.0 <= limit).then_some(scored.1)
 }
 

@@ -42,12 +42,20 @@ pub(crate) fn tokens(file: u16, text: &str, messages: &mut Messages) -> Vec<(Spa
     for (number, line) in (1u32..).zip(text.lines()) {
         let mut rest = line.char_indices().zip(1u32..).peekable();
         while let Some(&((at, c), column)) = rest.peek() {
-            let span = Span { file, line: number, column };
+            let span = Span {
+                file,
+                line: number,
+                column,
+            };
             match c {
                 '#' => break,
                 '"' => {
                     rest.next();
-                    let text: String = rest.by_ref().map(|((_, c), _)| c).take_while(|c| *c != '"').collect();
+                    let text: String = rest
+                        .by_ref()
+                        .map(|((_, c), _)| c)
+                        .take_while(|c| *c != '"')
+                        .collect();
                     out.push((span, Token::Value(Value::Text(text))));
                 }
                 '(' => {
@@ -60,7 +68,9 @@ pub(crate) fn tokens(file: u16, text: &str, messages: &mut Messages) -> Vec<(Spa
                     rest.next();
                     match tuple.take() {
                         Some((start, numbers)) => out.push((start, Token::Value(Value::Tuple(numbers)))),
-                        None => messages.error(span, "`)` without `(`", "remove it, or open the point with `(`"),
+                        None => {
+                            messages.error(span, "`)` without `(`", "remove it, or open the point with `(`")
+                        }
                     }
                 }
                 '{' | '}' | ';' => {
@@ -90,7 +100,14 @@ pub(crate) fn tokens(file: u16, text: &str, messages: &mut Messages) -> Vec<(Spa
         }
         // A point may run over several lines; a statement may not.
         if tuple.is_none() {
-            out.push((Span { file, line: number, column: line.chars().count() as u32 + 1 }, Token::End));
+            out.push((
+                Span {
+                    file,
+                    line: number,
+                    column: line.chars().count() as u32 + 1,
+                },
+                Token::End,
+            ));
         }
     }
     if let Some((span, _)) = tuple {
@@ -111,12 +128,19 @@ fn word(
         None => (false, text),
     };
     let starts_like_a_number = digits.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
-    let number = digits.parse::<f64>().ok().filter(|n| starts_like_a_number && n.is_finite());
+    let number = digits
+        .parse::<f64>()
+        .ok()
+        .filter(|n| starts_like_a_number && n.is_finite());
     match (tuple, number) {
         (Some((_, numbers)), Some(metres)) => numbers.push(Above { metres, ground }),
         (Some((_, numbers)), None) => {
             let message = format!("`{text}` is not a number");
-            messages.error(span, message, "points are numbers between parentheses, as (1.5 -2 0)");
+            messages.error(
+                span,
+                message,
+                "points are numbers between parentheses, as (1.5 -2 0)",
+            );
             numbers.push(Above { metres: 0.0, ground });
         }
         (None, Some(number)) if !ground => out.push((span, Token::Value(Value::Number(number)))),

@@ -23,7 +23,11 @@ pub(crate) struct Statement {
 /// Reads a text into statements. What cannot be read is reported and left out.
 pub(crate) fn parse(file: u16, text: &str, messages: &mut Messages) -> Vec<Statement> {
     let tokens = tokens(file, text, messages);
-    let mut parser = Parser { tokens, at: 0, messages };
+    let mut parser = Parser {
+        tokens,
+        at: 0,
+        messages,
+    };
     parser.statements(None, 0)
 }
 
@@ -61,15 +65,20 @@ impl Parser<'_> {
                 }
                 Token::Value(_) => {
                     let help = "every line starts with a keyword; a list of points must stay on its line";
-                    self.messages.error(span, "a statement cannot start with this", help);
-                    while !matches!(self.tokens.get(self.at), None | Some((_, Token::End | Token::Close))) {
+                    self.messages
+                        .error(span, "a statement cannot start with this", help);
+                    while !matches!(
+                        self.tokens.get(self.at),
+                        None | Some((_, Token::End | Token::Close))
+                    ) {
                         self.at += 1;
                     }
                 }
             }
         }
         if let Some(span) = opened {
-            self.messages.error(span, "this block is never closed", "add the missing `}`");
+            self.messages
+                .error(span, "this block is never closed", "add the missing `}`");
         }
         out
     }
@@ -82,9 +91,14 @@ impl Parser<'_> {
                 Token::Open => {
                     self.at += 1;
                     if depth >= MAX_DEPTH {
-                        self.messages.error(span, "blocks are nested too deeply", "use fewer levels");
+                        self.messages
+                            .error(span, "blocks are nested too deeply", "use fewer levels");
                         self.at = self.tokens.len();
-                        return Statement { keyword, args, block: None };
+                        return Statement {
+                            keyword,
+                            args,
+                            block: None,
+                        };
                     }
                     let block = Some(self.statements(Some(span), depth + 1));
                     return Statement { keyword, args, block };
@@ -93,6 +107,10 @@ impl Parser<'_> {
             }
             self.at += 1;
         }
-        Statement { keyword, args, block: None }
+        Statement {
+            keyword,
+            args,
+            block: None,
+        }
     }
 }

@@ -180,6 +180,8 @@ fn opening(random: &mut Random, x: f32, y: f32, northward: bool) -> Vec<Vec3> {
 /// What a ray passes: rooms in order, and whether it got outside.
 pub struct Walk {
     pub rooms: Vec<CellId>,
+    /// How far along the ray each room is entered.
+    pub entered: Vec<f64>,
     pub outside: bool,
 }
 
@@ -237,6 +239,7 @@ pub fn walk(specs: &[RoomSpec], root: usize, eye: Vec3, ray: Vec3) -> Walk {
     );
     let mut out = Walk {
         rooms: vec![specs[root].id],
+        entered: vec![0.0],
         outside: false,
     };
     let (mut room, mut distance) = (root, 0.0f64);
@@ -278,6 +281,7 @@ pub fn walk(specs: &[RoomSpec], root: usize, eye: Vec3, ray: Vec3) -> Walk {
                 room = next;
                 distance = t;
                 out.rooms.push(id);
+                out.entered.push(t);
             }
         }
     }

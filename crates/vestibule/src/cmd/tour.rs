@@ -7,7 +7,8 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use serde_json::json;
 use vestibule::tour::{Change, Tour, TourOptions, TourSummary, TrailStep};
-use vestibule::world::World;
+use vestibule::map_svg::{TrailPoint, plan};
+use vestibule::world::{BlockId, World};
 
 use super::place::{Place, parse_place};
 use crate::ui::{Context, Failed, Progress, count, hinted, style};
@@ -82,7 +83,8 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     std::fs::create_dir_all(&args.out).with_context(|| format!("cannot create {}", args.out.display()))?;
     let trail_path = args.out.join("trail.jsonl");
     write_trail(&trail, &trail_path)?;
-    let written = vec![trail_path];
+    let mut written = vec![trail_path];
+    written.extend(write_maps(&world, &trail, &args.out)?);
     if json {
         context.print_json(&json!({ "changes": changes, "summary": summary, "written": written }))?;
     } else {
@@ -172,6 +174,25 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
         writeln!(out, "{}ended early{:#}  {why}", style::WARN, style::WARN)?;
     }
     Ok(())
+}
+
+/// A map of the landblock in which the tour spent most of its time, and of the others it came through.
+fn write_maps(world: &World, trail: &[TrailStep], folder: &std::path::Path) -> anyhow::Result<Vec<PathBuf>> {
+    let mut blocks: std::collections::BTreeMap<BlockId, usize> = std::collections::BTreeMap::new();
+    for step in trail {
+        *blocks.entry(step.cell.block()).or_default() += 1;
+    }
+    let points: Vec<TrailPoint> = trail.iter().map(|s| TrailPoint { cell: s.cell, pos: s.pos }).collect();
+    let main = blocks.iter().max_by_key(|(_, steps)| **steps).map(|(block, _)| *block);
+    let mut written = Vec::new();
+    for &block in blocks.keys() {
+        let Some(svg) = plan(world, block, &points) else { continue };
+        let name = if Some(block) == main { "map.svg".to_owned() } else { format!("map-{:04X}.svg", block.0) };
+        let path = folder.join(name);
+        std::fs::write(&path, svg).with_context(|| format!("cannot write {}", path.display()))?;
+        written.push(path);
+    }
+    Ok(written)
 }
 
 fn write_trail(trail: &[TrailStep], path: &std::path::Path) -> anyhow::Result<()> {
