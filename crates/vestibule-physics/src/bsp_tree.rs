@@ -5,7 +5,7 @@
 //! recurse only where the sphere straddles.
 
 use glam::Vec3;
-use vestibule_world::{Child, ChildKind, Face, PhysicsBsp, PhysicsNode, Sphere};
+use vestibule_world::{Child, ChildKind, Face, PhysicsBsp, PhysicsNode, SURE_OVERLAP, Sphere};
 
 use crate::constants::{ADJUST_TO_PLANE_BUDGET, BISECTION_STOP, EPSILON};
 use crate::polygon;
@@ -65,21 +65,48 @@ pub(crate) fn sphere_intersects_poly<'b>(
     movement: Vec3,
     named: &mut Option<&'b Face>,
 ) -> bool {
-    if hits_nothing(bsp, s) {
+    if bsp.certainly_clear(s.center, s.radius) {
         return false;
+    }
+    match hits(bsp, s, false, |_| true) {
+        Hits::None => return false,
+        Hits::One(face) if is_sure(bsp, face, s) => {
+            *named = Some(face);
+            return movement.dot(face.plane.normal) < 0.0;
+        }
+        _ => {}
     }
     intersects_poly(bsp, bsp.root, s, movement, named)
 }
 
-/// Whether the sphere certainly overlaps no polygon of the tree: then no walk finds anything.
-#[inline]
-fn hits_nothing(bsp: &PhysicsBsp, s: &Sphere) -> bool {
-    bsp.certainly_clear(s.center, s.radius) || hits_no_face(bsp, s)
+/// The polygons that a sphere overlaps, found without a walk.
+enum Hits<'b> {
+    None,
+    One(&'b Face),
+    /// More than one, or the tree is too large to tell quickly.
+    Several,
 }
 
-fn hits_no_face(bsp: &PhysicsBsp, s: &Sphere) -> bool {
-    let hits = |face: &Face| polygon::polygon_hits_sphere(face, bsp.edges(face), s);
-    bsp.any_face_near(s.center, s.radius - EPSILON, false, hits) == Some(false)
+/// The polygons that pass `filter` and overlap the sphere. With `only_up` those that hardly look up may be left
+/// out.
+#[inline]
+fn hits<'b>(bsp: &'b PhysicsBsp, s: &Sphere, only_up: bool, filter: impl Fn(&Face) -> bool) -> Hits<'b> {
+    let mut hit = None;
+    let several = bsp.any_face_near(s.center, s.radius - EPSILON, only_up, |face| {
+        filter(face) && polygon::polygon_hits_sphere(face, bsp.edges(face), s) && hit.replace(face).is_some()
+    });
+    match (several, hit) {
+        (Some(false), None) => Hits::None,
+        (Some(false), Some(face)) => Hits::One(face),
+        _ => Hits::Several,
+    }
+}
+
+/// Whether a walk is certain to reach a polygon that the sphere overlaps.
+#[inline]
+fn is_sure(bsp: &PhysicsBsp, face: &Face, s: &Sphere) -> bool {
+    let deep = Sphere::new(s.center, s.radius - SURE_OVERLAP);
+    face.sound && polygon::polygon_hits_sphere(face, bsp.edges(face), &deep)
 }
 
 fn intersects_poly<'b>(
@@ -137,11 +164,47 @@ pub(crate) struct WalkableSearch<'b> {
 /// Moves the sphere back along its movement onto every polygon level enough to stand on, one after the other
 /// (6.6.2). Never stops early: the last success wins, and each polygon sees the sphere as the last one left it.
 pub(crate) fn find_walkable<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>) {
-    // A fresh step down mostly finds ground; what follows mostly finds nothing more.
-    if search.walk_interp < 1.0 && hits_nothing(bsp, &search.sphere) {
+    if bsp.certainly_clear(search.sphere.center, search.sphere.radius) {
         return;
     }
-    walkable_below(bsp, bsp.root, search);
+    match walkable_hits(bsp, search) {
+        Hits::None => {}
+        Hits::One(face) => {
+            let before = (search.sphere, search.walk_interp);
+            if !rest_on(face, search) {
+                return;
+            }
+            // A walk reaches the face for certain; it finds no more if the moved sphere hits nothing.
+            let alone = is_sure(bsp, face, &before.0) && matches!(walkable_hits(bsp, search), Hits::None);
+            if !alone {
+                (search.sphere, search.walk_interp) = before;
+                search.found = None;
+                walkable_below(bsp, bsp.root, search);
+            }
+        }
+        Hits::Several => walkable_below(bsp, bsp.root, search),
+    }
+}
+
+/// The polygons level enough to stand on that the sphere of a search overlaps.
+fn walkable_hits<'b>(bsp: &'b PhysicsBsp, search: &WalkableSearch<'b>) -> Hits<'b> {
+    let (up, allowance) = (search.up, search.walkable_allowance);
+    // Faces that hardly look up are then too steep for certain.
+    let only_up = up.z > 0.9999 && allowance > 0.08;
+    hits(bsp, &search.sphere, only_up, |face| {
+        up.dot(face.plane.normal) > allowance
+    })
+}
+
+/// Moves the sphere back onto a polygon (6.6.1).
+#[inline]
+fn rest_on<'b>(face: &'b Face, search: &mut WalkableSearch<'b>) -> bool {
+    let (sphere, interp) = (&mut search.sphere, &mut search.walk_interp);
+    let moved = polygon::adjust_sphere_to_plane(&face.plane, sphere, search.movement, interp);
+    if moved {
+        search.found = Some(face);
+    }
+    moved
 }
 
 fn walkable_below<'b>(bsp: &'b PhysicsBsp, mut at: Child, search: &mut WalkableSearch<'b>) {
@@ -152,15 +215,8 @@ fn walkable_below<'b>(bsp: &'b PhysicsBsp, mut at: Child, search: &mut WalkableS
                 for face in reached_faces(bsp, leaf, &search.sphere) {
                     let edges = bsp.edges(face);
                     let (up, allowance) = (search.up, search.walkable_allowance);
-                    if polygon::walkable_hits_sphere(face, edges, &search.sphere, up, allowance)
-                        && polygon::adjust_sphere_to_plane(
-                            &face.plane,
-                            &mut search.sphere,
-                            search.movement,
-                            &mut search.walk_interp,
-                        )
-                    {
-                        search.found = Some(face);
+                    if polygon::walkable_hits_sphere(face, edges, &search.sphere, up, allowance) {
+                        rest_on(face, search);
                     }
                 }
                 return;
@@ -242,10 +298,41 @@ pub fn point_intersects_solid(bsp: &PhysicsBsp, p: Vec3) -> bool {
 
 /// Whether the sphere overlaps a polygon, or its centre a solid leaf when `center_check` (6.3.2).
 pub(crate) fn sphere_intersects_solid(bsp: &PhysicsBsp, s: &Sphere, center_check: bool) -> bool {
-    if !(center_check && bsp.has_solid_leaf()) && hits_nothing(bsp, s) {
+    let hollow = !center_check || bsp.open_is_hollow();
+    if hollow && bsp.certainly_clear(s.center, s.radius) {
         return false;
     }
+    match hits(bsp, s, false, |_| true) {
+        Hits::None => return center_check && center_is_solid(bsp, s),
+        Hits::One(face) if is_sure(bsp, face, s) => return true,
+        _ => {}
+    }
     solid(bsp, bsp.root, s, center_check)
+}
+
+/// Whether the leaf on the centre's side of everything is solid and has polygons (6.3.2).
+fn center_is_solid(bsp: &PhysicsBsp, s: &Sphere) -> bool {
+    let mut at = bsp.root;
+    loop {
+        match at.kind() {
+            ChildKind::Absent => return false,
+            ChildKind::Leaf(index) => {
+                return bsp.leaves().get(index).is_some_and(|l| l.count != 0 && l.solid);
+            }
+            ChildKind::Node(index) => {
+                let Some(node) = bsp.nodes().get(index) else {
+                    return false;
+                };
+                at = match reach(node, s, s.radius) {
+                    Reach::None => return false,
+                    Reach::Positive => node.positive,
+                    Reach::Negative => node.negative,
+                    Reach::Both(dist) if dist >= 0.0 => node.positive,
+                    Reach::Both(_) => node.negative,
+                };
+            }
+        }
+    }
 }
 
 fn solid(bsp: &PhysicsBsp, mut at: Child, s: &Sphere, mut center_check: bool) -> bool {

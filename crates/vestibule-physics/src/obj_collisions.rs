@@ -4,10 +4,11 @@ use vestibule_world::{CellId, CylSphere, Frame, Landblock, Model, Shape, Sphere,
 
 use crate::bsp_tree::spheres_overlap;
 use crate::flags::{ObjectKind, ObjectState, PhysicsState};
+use crate::math::length;
 use crate::population::BodyId;
 use crate::sphere_path::LocalSpace;
 use crate::sweep::Touch;
-use crate::transition::{InsertType, Transition, TransitionState};
+use crate::transition::{InsertType, StaticsCalm, Transition, TransitionState};
 
 /// An object that can be run into: a static object of the world or a body of the population.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -61,17 +62,16 @@ impl<'w> Transition<'w, '_> {
         if self.path.insert_type == InsertType::InitialPlacement {
             return TransitionState::Ok;
         }
-        for (r, reach) in self.world.shadow_lists(block).with_reaches(cell) {
-            if self.is_out_of_reach(reach, cell) {
-                continue;
-            }
-            let Some(object) = self.world.static_object(r) else {
-                continue;
-            };
-            let ts = self.find_object_collisions(&Target::of_static(r, object));
+        let shift = self.path.global_sphere[0].center - self.statics_calm.center;
+        let calm = self.statics_calm.cell == cell && shift.dot(shift) < self.statics_calm.reach;
+        if !calm {
+            let ts = self.find_static_collisions(cell, block);
             if ts != TransitionState::Ok {
                 return ts;
             }
+        }
+        if self.population.is_empty() {
+            return TransitionState::Ok;
         }
         for &id in self.population.shadows_in(cell) {
             if Some(id) == self.object.body {
@@ -88,9 +88,40 @@ impl<'w> Transition<'w, '_> {
         TransitionState::Ok
     }
 
-    /// Whether no sphere of the mover is anywhere near what `reach` holds, so that all tests would find nothing.
+    /// The static objects of a cell.
+    fn find_static_collisions(&mut self, cell: CellId, block: &'w Landblock) -> TransitionState {
+        let center = self.path.global_sphere[0].center;
+        // Shifts of the candidate are measured in the frame of one landblock.
+        let mut least = f32::INFINITY;
+        for (r, reach) in self.world.shadow_lists(block).with_reaches(cell) {
+            let distance = self.distance_to_reach(reach, cell);
+            if distance > 0.0 {
+                least = if distance < least { distance } else { least };
+                continue;
+            }
+            least = 0.0;
+            let Some(object) = self.world.static_object(r) else {
+                continue;
+            };
+            let ts = self.find_object_collisions(&Target::of_static(r, object));
+            if ts != TransitionState::Ok {
+                return ts;
+            }
+        }
+        if self.keeps_shape && cell.block() == self.path.check_pos.cell.block() {
+            self.statics_calm = StaticsCalm {
+                cell,
+                center,
+                reach: least * least,
+            };
+        }
+        TransitionState::Ok
+    }
+
+    /// How far the mover may be shifted before any of its spheres comes near what `reach` holds, metres; zero or
+    /// less when one may be. Farther off, all tests find nothing.
     #[inline]
-    fn is_out_of_reach(&self, reach: &Sphere, cell: CellId) -> bool {
+    fn distance_to_reach(&self, reach: &Sphere, cell: CellId) -> f32 {
         let path = &self.path;
         let mut center = reach.center;
         if cell.block() != path.check_pos.cell.block() {
@@ -104,12 +135,12 @@ impl<'w> Transition<'w, '_> {
         };
         // A cylinder is square in section: its corners are farther than its radius and height say.
         let limit = reach.radius + 1.5 * larger;
-        let limit = limit * limit;
-        let is_far = |s: &Sphere| {
-            let between = s.center - center;
-            between.dot(between) > limit
-        };
-        is_far(foot) && (path.num_sphere < 2 || is_far(head))
+        let to_foot = length(foot.center - center) - limit;
+        if path.num_sphere < 2 {
+            return to_foot;
+        }
+        let to_head = length(head.center - center) - limit;
+        if to_head < to_foot { to_head } else { to_foot }
     }
 
     /// One object (retail `FindObjCollisions`, 8.2).

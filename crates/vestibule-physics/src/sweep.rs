@@ -12,7 +12,7 @@ use crate::obj_collisions::{ObjectRef, Target};
 use crate::object_info::{ObjectInfo, is_walkable_z};
 use crate::population::{BodyId, Event, Population};
 use crate::sphere_path::SpherePath;
-use crate::transition::{BuiltArray, InsertType, Transition, calc_num_steps, cell_ref};
+use crate::transition::{BuiltArray, Calm, InsertType, StaticsCalm, Transition, calc_num_steps, cell_ref};
 
 /// A plane a body is in contact with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -407,6 +407,13 @@ pub(crate) fn begin<'w, 's>(
         info,
         cell_array: &mut scratch.cell_array,
         built: BuiltArray::NONE,
+        calm: Calm::NONE,
+        keeps_shape: true,
+        statics_calm: StaticsCalm {
+            cell: CellId::NONE,
+            center: Vec3::ZERO,
+            reach: 0.0,
+        },
         touched: &mut scratch.touched,
         depth: 0,
     }

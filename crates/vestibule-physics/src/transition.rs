@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 use vestibule_world::ids::block_offset;
-use vestibule_world::{CellArray, CellId, World, find_cell_list};
+use vestibule_world::{CellArray, CellId, World, calm_distance, find_cell_list};
 
 use crate::collision_info::CollisionInfo;
 use crate::constants::{EPSILON, MOVE_ATTEMPTS};
@@ -58,6 +58,53 @@ impl BuiltArray {
     };
 }
 
+/// Where the mover is certainly out of reach of a cell's static objects.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StaticsCalm {
+    pub(crate) cell: CellId,
+    pub(crate) center: Vec3,
+    /// How far the foot sphere may have been shifted, squared.
+    pub(crate) reach: f32,
+}
+
+/// Where the mover certainly touches one cell only, so that look-ups need not be made.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Calm {
+    cell: CellId,
+    /// The foot sphere's centre when this was found out.
+    center: Vec3,
+    /// How far it may have been shifted, squared.
+    reach: f32,
+    /// The cell array does not say so.
+    array_is_stale: bool,
+}
+
+impl Calm {
+    /// Nothing is certain.
+    pub(crate) const NONE: Calm = Calm {
+        cell: CellId::NONE,
+        center: Vec3::ZERO,
+        reach: 0.0,
+        array_is_stale: true,
+    };
+
+    #[inline]
+    fn around(cell: CellId, center: Vec3, distance: f32) -> Self {
+        Calm {
+            cell,
+            center,
+            reach: distance * distance,
+            array_is_stale: true,
+        }
+    }
+
+    #[inline]
+    fn holds(&self, cell: CellId, center: Vec3) -> bool {
+        let shift = center - self.center;
+        self.cell == cell && shift.dot(shift) < self.reach
+    }
+}
+
 /// A sweep in progress. It reads the world and the population and writes only what it owns.
 pub(crate) struct Transition<'w, 's> {
     pub(crate) world: &'w World,
@@ -69,6 +116,10 @@ pub(crate) struct Transition<'w, 's> {
     /// Shared by all nested insertions; the cell found is not (5.3).
     pub(crate) cell_array: &'s mut CellArray,
     pub(crate) built: BuiltArray,
+    pub(crate) calm: Calm,
+    pub(crate) statics_calm: StaticsCalm,
+    /// The mover does not turn during the sweep.
+    pub(crate) keeps_shape: bool,
     pub(crate) touched: &'s mut Vec<Touch>,
     /// Nesting of `transitional_insert`.
     pub(crate) depth: u32,
@@ -125,26 +176,53 @@ impl<'w> Transition<'w, '_> {
     }
 
     /// Rebuilds the cell array for the candidate; the cell that holds the foot sphere's centre if `want_cell`.
-    /// An array that was built for the same candidate is the same again.
     #[inline]
     pub(crate) fn build_cell_array(&mut self, want_cell: bool) -> Option<CellId> {
+        let seed = self.path.check_pos.cell;
+        if self.calm.holds(seed, self.path.global_sphere[0].center) {
+            if self.calm.array_is_stale {
+                self.start_calm_array(seed);
+            }
+            self.path.hits_interior_cell = seed.is_indoor();
+            return Some(seed);
+        }
+        self.build_any_cell_array(want_cell)
+    }
+
+    fn start_calm_array(&mut self, seed: CellId) {
+        self.cell_array.start(seed, true);
+        self.cell_array.added_outside = !seed.is_indoor();
+        self.built = BuiltArray::NONE;
+        self.calm.array_is_stale = false;
+    }
+
+    /// An array that was built for the same candidate is the same again.
+    fn build_any_cell_array(&mut self, want_cell: bool) -> Option<CellId> {
         let path = &mut self.path;
+        let seed = path.check_pos.cell;
+        let spheres = &path.global_sphere[..path.num_sphere];
         let [foot, head] = [path.global_sphere[0].center, path.global_sphere[1].center];
         let built = &self.built;
-        let same = built.seed == path.check_pos.cell
-            && built.centers == [foot, head]
-            && (built.want_cell || !want_cell);
+        let same = built.seed == seed && built.centers == [foot, head] && (built.want_cell || !want_cell);
         if !same {
+            let distance = calm_distance(self.world, seed, spheres);
+            if distance > 0.0 && self.keeps_shape {
+                self.calm = Calm::around(seed, foot, distance);
+                self.path.hits_interior_cell = seed.is_indoor();
+                self.start_calm_array(seed);
+                return Some(seed);
+            }
             let found = find_cell_list(
                 self.world,
-                path.check_pos.cell,
+                seed,
                 path.check_pos.origin,
-                &path.global_sphere[..path.num_sphere],
+                spheres,
                 self.cell_array,
                 want_cell,
             );
+            self.calm.array_is_stale = true;
             self.built = BuiltArray {
-                seed: path.check_pos.cell,
+                seed,
                 centers: [foot, head],
                 want_cell,
                 containing: found.containing,
@@ -180,6 +258,8 @@ impl<'w> Transition<'w, '_> {
             self.build_cell_array(false);
             return true;
         }
+        // A mover that turns on the way does not keep its spheres where they were to each other.
+        self.keeps_shape = free_rotate || begin == end;
         let mut ts = TransitionState::Ok;
         for i in 0..plan.steps {
             let offset = match plan.last_offset {

@@ -144,12 +144,17 @@ fn against_rays(
     }
     writeln!(
         out,
-        "{name}: {poses} poses against rays: {} of {} pixels differ, {} where surfaces meet within a pixel, {} not; {} clear, {:.1} s",
+        "{name}: {poses} poses against rays: {} of {} pixels differ: {} where surfaces meet within a pixel and one of \
+         them shows, {} where another does, {} where rooms disagree on an opening, {} elsewhere; {} clear, {} of them \
+         where rooms disagree; {:.1} s",
         total.differing,
         total.pixels,
         total.at_edges,
+        total.at_seams,
+        total.disputed,
         total.unexplained(),
         total.clear,
+        total.clear_disputed,
         started.elapsed().as_secs_f32()
     )
 }

@@ -10,18 +10,36 @@ use crate::paint::{Mode, Painter};
 use crate::reference::{IdImage, Run, buffers};
 use crate::scene::{RenderSettings, Scene};
 
-/// Draws all loaded landblocks within `radius` blocks of the camera's: ground, shells, rooms, objects, in no
-/// particular order, only depth deciding. The truth where nothing overlaps.
+/// What [`render_everything`] draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Everything {
+    /// Landblocks within this many blocks of the camera's.
+    pub radius: i32,
+    /// Sky, ground, buildings' shells and the objects outdoors; otherwise rooms and what is in them only.
+    pub outdoors: bool,
+}
+
+impl Default for Everything {
+    fn default() -> Self {
+        Everything {
+            radius: 2,
+            outdoors: true,
+        }
+    }
+}
+
+/// Draws all landblocks around the camera: ground, shells, rooms, objects, in no particular order, only depth
+/// deciding. The truth where nothing overlaps.
 ///
 /// # Errors
 /// When the camera's screen is no size for a picture.
 pub fn render_everything(
     scene: &Scene<'_>,
     camera: &Camera,
-    radius: i32,
+    what: Everything,
     settings: &RenderSettings,
 ) -> Result<Image, RenderError> {
-    let painter = paint(scene, camera, radius, settings, Mode::Color)?;
+    let painter = paint(scene, camera, what, settings, Mode::Color)?;
     let screen = painter.buffers.screen;
     let mut image = Image::new(screen.width, screen.height, [0; 4])?;
     image.pixels_mut().copy_from_slice(&painter.buffers.color);
@@ -35,10 +53,10 @@ pub fn render_everything(
 pub fn render_everything_ids(
     scene: &Scene<'_>,
     camera: &Camera,
-    radius: i32,
+    what: Everything,
     settings: &RenderSettings,
 ) -> Result<IdImage, RenderError> {
-    let painter = paint(scene, camera, radius, settings, Mode::Ids)?;
+    let painter = paint(scene, camera, what, settings, Mode::Ids)?;
     let screen = painter.buffers.screen;
     IdImage::from_ids(screen.width, screen.height, painter.buffers.ids).ok_or(RenderError::Size {
         width: screen.width,
@@ -49,7 +67,7 @@ pub fn render_everything_ids(
 fn paint(
     scene: &Scene<'_>,
     camera: &Camera,
-    radius: i32,
+    what: Everything,
     settings: &RenderSettings,
     mode: Mode,
 ) -> Result<Painter, RenderError> {
@@ -64,28 +82,34 @@ fn paint(
         .fill([clear.x as u8, clear.y as u8, clear.z as u8, 255]);
     let painter = Painter::new(mode, *settings, camera, buffers, day, sealed);
     let mut run = Run::new(scene, camera, painter);
+    run.close_cracks(!what.outdoors);
     let centre = camera.cell().block();
-    let radius = radius.clamp(0, 32);
+    let radius = what.radius.clamp(0, 32);
     let blocks: Vec<&Landblock> = (-radius..=radius)
         .flat_map(|dx| (-radius..=radius).filter_map(move |dy| centre.neighbour(dx, dy)))
         .filter_map(|id| world.block(id))
         .collect();
-    if blocks.iter().any(|b| b.land.is_some()) {
+    if what.outdoors && blocks.iter().any(|b| b.land.is_some()) {
         let size = run.painter.buffers.screen;
         run.sky([0, size.width, 0, size.height]);
     }
     for block in &blocks {
-        run.set_light(LightSet::Sun);
-        for (id, _) in block.land_cells() {
-            run.terrain(id);
-        }
-        for (index, building) in block.buildings.iter().enumerate() {
-            if let Some(part) = building.shape.parts.first().filter(|p| p.model.is_some()) {
-                run.building(block.id, index as u32, part.model_id);
+        if what.outdoors {
+            run.set_light(LightSet::Sun);
+            for (id, _) in block.land_cells() {
+                run.terrain(id);
+            }
+            for (index, building) in block.buildings.iter().enumerate() {
+                if let Some(part) = building.shape.parts.first().filter(|p| p.model.is_some()) {
+                    run.building(block.id, index as u32, part.model_id);
+                }
             }
         }
         for index in 0..block.statics.len() as u32 {
             let object = &block.statics[index as usize];
+            if !what.outdoors && !object.cell.is_indoor() {
+                continue;
+            }
             run.set_light(set_for(object.cell));
             let id = StaticRef {
                 block: block.id,

@@ -54,7 +54,7 @@ mod texture;
 
 pub use assets::{AssetCounters, Assets, ObjectLight};
 pub use error::RenderError;
-pub use everything::{render_everything, render_everything_ids};
+pub use everything::{Everything, render_everything, render_everything_ids};
 pub use figure::{FIGURE_HEIGHT, figure};
 pub use filmstrip::Filmstrip;
 pub use image::{Image, MAX_SIDE, write_apng};
@@ -62,7 +62,7 @@ pub use land::TERRAIN_OFFSET;
 pub use lighting::{Lamp, LightLevels, shell_light};
 pub use material::{Blend, DrawList, Factor, Material};
 pub use mesh::{Mesh, MeshFace, MeshVertex};
-pub use oracle::Oracle;
+pub use oracle::{Oracle, RayHit};
 pub use raster::{PUNCH_DEPTH, PixelId, PixelKind};
 pub use reference::{IdImage, render, render_commands, render_commands_ids, render_ids};
 pub use scene::{LightDetail, RenderCounters, RenderSettings, Scene};

@@ -47,6 +47,18 @@ struct Opening {
     /// A ray passes when its direction along the normal has this sign.
     sign: f64,
     to: Option<Medium>,
+    /// The far side's polygon, where the two are not promised to be the same (`visibility.md` 3.4).
+    partner: Option<Vec<DVec3>>,
+}
+
+/// What a ray met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RayHit {
+    /// What shows.
+    pub id: PixelId,
+    /// The ray crossed a link beside the far side's polygon: the two rooms do not agree on their opening, so there is
+    /// no telling what is right.
+    pub disputed: bool,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -154,9 +166,20 @@ impl Oracle {
                 };
                 let sign = if portal.interior_is_negative { 1.0 } else { -1.0 };
                 let corners = cell.portal_vertices(portal);
-                space
-                    .openings
-                    .push(placing.opening(corners, portal.plane.normal, sign, to));
+                let mut opening = placing.opening(corners, portal.plane.normal, sign, to);
+                if let (PortalTarget::Cell(other), false) = (portal.other, portal.exact_match) {
+                    let far = world.env_cell(other);
+                    let found = far.and_then(|c| Some((c, c.portal(portal.other_portal?)?)));
+                    opening.partner = found.map(|(far, partner)| {
+                        let there = Placing {
+                            offset,
+                            frame: far.frame,
+                            scale: Vec3::ONE,
+                        };
+                        far.portal_vertices(partner).iter().map(|&p| there.point(p)).collect()
+                    });
+                }
+                space.openings.push(opening);
             }
             self.rooms.insert(cell.id, space);
             self.add_statics(world, assets, cell.id, Medium::Room(cell.id));
@@ -177,20 +200,8 @@ impl Oracle {
         }
     }
 
-    /// What the ray from the camera's eye in `direction` (landscape axes) meets, walking from the camera's cell.
-    pub fn cast(&self, camera: &Camera, direction: Vec3) -> PixelId {
-        let eye = camera.eye().as_dvec3() + block_offset(self.home, camera.cell().block()).as_dvec3();
-        let d = direction.as_dvec3().normalize_or_zero();
-        let start = if camera.cell().is_indoor() {
-            Medium::Room(camera.cell())
-        } else {
-            Medium::Outdoors
-        };
-        self.walk(eye, d, start)
-    }
-
     /// What the pixel at (x, y), in pixels from the top left corner, shows; pixel centres lie at +0.5.
-    pub fn pixel(&self, camera: &Camera, x: f32, y: f32) -> PixelId {
+    pub fn pixel(&self, camera: &Camera, x: f32, y: f32) -> RayHit {
         let s = camera.slopes().as_dvec2();
         let v = camera.viewport().as_dvec2();
         let (cx, cz) = (
@@ -208,14 +219,21 @@ impl Oracle {
         self.walk(eye, d, start)
     }
 
-    fn walk(&self, eye: DVec3, d: DVec3, start: Medium) -> PixelId {
+    fn walk(&self, eye: DVec3, d: DVec3, start: Medium) -> RayHit {
         let (mut medium, mut from) = (start, 0.0f64);
+        let mut disputed = false;
+        let nothing = PixelId::BACKGROUND;
         for _ in 0..MAX_CROSSINGS {
             let space = match medium {
                 Medium::Outdoors => &self.outdoors,
                 Medium::Room(id) => match self.rooms.get(&id) {
                     Some(space) => space,
-                    None => return PixelId::BACKGROUND,
+                    None => {
+                        return RayHit {
+                            id: nothing,
+                            disputed,
+                        };
+                    }
                 },
             };
             let mut best: Option<(f64, PixelId)> = None;
@@ -223,28 +241,34 @@ impl Oracle {
                 bunch.hit(eye, d, from - BACK, &mut best);
             }
             let reach = best.map_or(f64::INFINITY, |(t, _)| t);
-            let mut next: Option<(f64, Option<Medium>)> = None;
+            let mut next: Option<(f64, &Opening)> = None;
             for opening in &space.openings {
                 if let Some(t) = opening.hit(eye, d) {
                     let nearest = next.map_or(reach, |(t, _)| t);
                     if t > from - BACK && t <= nearest {
-                        next = Some((t, opening.to));
+                        next = Some((t, opening));
                     }
                 }
             }
-            match next {
-                Some((t, Some(to))) => (medium, from) = (to, t),
-                Some((_, None)) => return PixelId::BACKGROUND,
-                None => {
-                    return match (best, medium) {
-                        (Some((_, id)), _) => id,
-                        (None, Medium::Outdoors) if self.has_land => PixelId::SKY,
-                        (None, _) => PixelId::BACKGROUND,
-                    };
+            let id = match (next, best, medium) {
+                (Some((t, opening)), ..) => {
+                    disputed |= opening.partner.as_ref().is_some_and(|p| !opening.inside(p, eye + d * t));
+                    if let Some(to) = opening.to {
+                        (medium, from) = (to, t);
+                        continue;
+                    }
+                    nothing
                 }
-            }
+                (None, Some((_, id)), _) => id,
+                (None, None, Medium::Outdoors) if self.has_land => PixelId::SKY,
+                (None, None, _) => nothing,
+            };
+            return RayHit { id, disputed };
         }
-        PixelId::BACKGROUND
+        RayHit {
+            id: nothing,
+            disputed,
+        }
     }
 }
 
@@ -298,6 +322,7 @@ impl Placing {
             normal: self.vector(normal.as_dvec3()),
             sign,
             to,
+            partner: None,
         }
     }
 }
@@ -377,15 +402,19 @@ impl Opening {
         }
         let first = self.corners.first()?;
         let t = self.normal.dot(*first - eye) / along;
-        let p = eye + d * t;
-        let n = self.corners.len();
-        let (mut all_left, mut all_right) = (true, true);
+        self.inside(&self.corners, eye + d * t).then_some(t)
+    }
+
+    /// Whether a point of the plane lies in a convex polygon of it.
+    fn inside(&self, corners: &[DVec3], p: DVec3) -> bool {
+        let n = corners.len();
+        let (mut all_left, mut all_right) = (n >= 3, n >= 3);
         for k in 0..n {
-            let (a, b) = (self.corners[k], self.corners[(k + 1) % n]);
+            let (a, b) = (corners[k], corners[(k + 1) % n]);
             let side = self.normal.dot((b - a).cross(p - a));
             all_left &= side >= 0.0;
             all_right &= side <= 0.0;
         }
-        (all_left || all_right).then_some(t)
+        all_left || all_right
     }
 }

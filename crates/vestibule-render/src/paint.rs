@@ -10,7 +10,7 @@ use crate::lighting::{Lamp, LightLevels, clamp01, shell_light};
 use crate::material::{Blend, DrawList, Material};
 use crate::mesh::Mesh;
 use crate::place::{EyeFrame, Placed};
-use crate::raster::scan::{Affine, Facing, GROWTH, Setup};
+use crate::raster::scan::{Affine, Facing, Setup};
 use crate::raster::{Buffers, PixelId, PixelKind, PixelWrite};
 use crate::scene::{LightDetail, RenderCounters, RenderSettings};
 use crate::sky::{Daylight, Fog};
@@ -68,6 +68,9 @@ pub(crate) struct Painter {
     pub(crate) day: Daylight,
     pub(crate) fog: Option<Fog>,
     pub(crate) counters: RenderCounters,
+    /// How much opaque triangles of meshes grow, pixels: [`GROWTH`](crate::raster::scan::GROWTH) for the viewer's own
+    /// rooms, else nothing.
+    pub(crate) growth: f64,
     /// Sun and up in camera axes.
     sun: Vec3,
     slopes: (f64, f64),
@@ -95,6 +98,7 @@ impl Painter {
             day,
             fog: day.fog.filter(|_| settings.fog && !sealed),
             counters: RenderCounters::default(),
+            growth: 0.0,
             sun: eye.turn(levels.sun_direction.as_dvec3()).as_vec3(),
             slopes: (f64::from(camera.slopes().x), f64::from(camera.slopes().y)),
             eye,
@@ -172,7 +176,7 @@ impl Painter {
                 );
                 let at_once = material.list == DrawList::Now && opacity >= 1.0;
                 if at_once && self.mode == Mode::Ids {
-                    self.buffers.id_triangle(p, id, confine);
+                    self.buffers.id_triangle(p, id, confine, Facing::Front, self.growth);
                     continue;
                 }
                 let uv = corners.map(|i| {
@@ -244,7 +248,7 @@ impl Painter {
         light: MeshLight<'_>,
         confine: &[Affine],
     ) {
-        let Some(setup) = Setup::new(&self.buffers.screen, p, Facing::Front, GROWTH) else {
+        let Some(setup) = Setup::new(&self.buffers.screen, p, Facing::Front, self.growth) else {
             return;
         };
         let texture = TextureMap::new(&setup, uv, material, wrap);
@@ -310,13 +314,12 @@ impl Painter {
             if self.mode == Mode::Ids {
                 // Cut-outs count as solid, what is blended writes nothing (`rendering.md` 10.1).
                 if cut_out(d) {
-                    self.buffers.id_triangle(d.points, d.id, &d.confine);
+                    self.buffers.id_triangle(d.points, d.id, &d.confine, Facing::Front, 0.0);
                 }
                 continue;
             }
             let material = &d.material;
-            let growth = if cut_out(d) { GROWTH } else { 0.0 };
-            let Some(setup) = Setup::new(&self.buffers.screen, d.points, Facing::Front, growth) else {
+            let Some(setup) = Setup::new(&self.buffers.screen, d.points, Facing::Front, 0.0) else {
                 continue;
             };
             let texture = TextureMap::new(&setup, d.uv, material, d.wrap);
@@ -366,10 +369,10 @@ impl Painter {
         let facing = if self.settings.cull_terrain { Facing::Front } else { Facing::Both };
         if self.mode == Mode::Ids {
             let id = PixelId::new(PixelKind::Terrain, cell, 0);
-            self.buffers.id_triangle_facing(p, id, &[], facing);
+            self.buffers.id_triangle(p, id, &[], facing, 0.0);
             return;
         }
-        let Some(setup) = Setup::new(&self.buffers.screen, p, facing, GROWTH) else {
+        let Some(setup) = Setup::new(&self.buffers.screen, p, facing, 0.0) else {
             return;
         };
         const SIDE: f32 = vestibule_world::constants::SQUARE_LENGTH;

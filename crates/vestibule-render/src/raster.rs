@@ -8,7 +8,7 @@ pub(crate) mod scan;
 use glam::DVec3;
 
 use crate::material::{Blend, Factor};
-use scan::{Affine, Facing, GROWTH, Projection, Setup};
+use scan::{Affine, Facing, Projection, Setup};
 
 /// Depth a punch writes: 100 km away, farther than anything real, nearer than cleared (`rendering.md` 9.3).
 pub const PUNCH_DEPTH: f32 = 1.0e-6;
@@ -129,32 +129,29 @@ impl Buffers {
     }
 
     /// A triangle in one id: test nearer or equal, depth and id written.
-    pub(crate) fn id_triangle(&mut self, p: [DVec3; 3], id: PixelId, confine: &[Affine]) {
-        self.id_triangle_facing(p, id, confine, Facing::Front);
-    }
-
-    pub(crate) fn id_triangle_facing(
+    pub(crate) fn id_triangle(
         &mut self,
         p: [DVec3; 3],
         id: PixelId,
         confine: &[Affine],
         facing: Facing,
+        growth: f64,
     ) {
-        let Some(setup) = Setup::new(&self.screen, p, facing, GROWTH) else {
+        let Some(setup) = Setup::new(&self.screen, p, facing, growth) else {
             return;
         };
         let near = self.screen.near;
         let (inverse, width) = (setup.inverse, self.screen.width as usize);
         let (depth, ids) = (&mut self.depth, &mut self.ids);
-        setup.spans(confine, |y, first, end| {
-            let start = y as usize * width;
-            let base = inverse.b * f64::from(y) + inverse.c;
-            let range = start + first as usize..start + end as usize;
+        setup.spans(confine, |row| {
+            let start = row.y as usize * width;
+            let base = inverse.b * f64::from(row.y) + inverse.c;
+            let range = start + row.first as usize..start + row.end as usize;
             let (Some(depths), Some(ids)) = (depth.get_mut(range.clone()), ids.get_mut(range)) else {
                 return;
             };
-            for (x, (d, slot)) in (first..end).zip(depths.iter_mut().zip(ids)) {
-                let here = (near * (inverse.a * f64::from(x) + base)) as f32;
+            for (x, (d, slot)) in (row.first..row.end).zip(depths.iter_mut().zip(ids)) {
+                let here = (near * row.depth_factor(x) * (inverse.a * f64::from(x) + base)) as f32;
                 if here >= *d {
                     *d = here;
                     *slot = id;
@@ -168,14 +165,14 @@ impl Buffers {
         let [a, rest @ ..] = points else { return };
         let near = self.screen.near;
         for pair in rest.windows(2) {
-            let Some(setup) = Setup::new(&self.screen, [*a, pair[0], pair[1]], Facing::Both, GROWTH) else {
+            let Some(setup) = Setup::new(&self.screen, [*a, pair[0], pair[1]], Facing::Both, 0.0) else {
                 continue;
             };
             let setup = setup.up_to_the_eye();
-            setup.spans(&[], |y, first, end| {
-                let start = self.row(y);
-                for x in first..end {
-                    let own = (near * setup.inverse.at(x, y)) as f32;
+            setup.spans(&[], |row| {
+                let start = self.row(row.y);
+                for x in row.first..row.end {
+                    let own = (near * setup.inverse.at(x, row.y)) as f32;
                     let d = constant.unwrap_or(if own < 1.0 { own } else { 1.0 });
                     if let Some(slot) = self.depth.get_mut(start + x as usize) {
                         *slot = d;
@@ -186,8 +183,7 @@ impl Buffers {
     }
 
     /// Draws a triangle whose pixels `shade` colours: it gets the column, the row and the forward distance and
-    /// returns red, green, blue (0…255) and alpha (0…1), or nothing. `grow` closes seams; blended triangles must
-    /// not overlap and do without.
+    /// returns red, green, blue (0…255) and alpha (0…1), or nothing.
     #[inline]
     pub(crate) fn shaded(
         &mut self,
@@ -199,15 +195,16 @@ impl Buffers {
         let near = self.screen.near;
         let width = self.screen.width as usize;
         let (depth, color) = (&mut self.depth, &mut self.color);
-        setup.spans(confine, |y, first, end| {
+        setup.spans(confine, |row| {
+            let y = row.y;
             let start = y as usize * width;
-            let range = start + first as usize..start + end as usize;
+            let range = start + row.first as usize..start + row.end as usize;
             let (Some(depths), Some(colors)) = (depth.get_mut(range.clone()), color.get_mut(range)) else {
                 return;
             };
-            for (x, (d, pixel)) in (first..end).zip(depths.iter_mut().zip(colors)) {
+            for (x, (d, pixel)) in (row.first..row.end).zip(depths.iter_mut().zip(colors)) {
                 let inverse = setup.inverse.at(x, y);
-                let here = (near * inverse) as f32;
+                let here = (near * row.depth_factor(x) * inverse) as f32;
                 if how.test && !(here >= *d) {
                     continue;
                 }
@@ -283,9 +280,9 @@ mod tests {
         while d < 200.0 {
             let mut b = buffers();
             b.depth_polygon(&wall(d), None);
-            b.id_triangle(wall(d + 0.02), id, &[]);
+            b.id_triangle(wall(d + 0.02), id, &[], Facing::Front, 0.0);
             assert_eq!(b.ids[16 * 32 + 16], PixelId::BACKGROUND, "{d}");
-            b.id_triangle(wall(d - 0.02), id, &[]);
+            b.id_triangle(wall(d - 0.02), id, &[], Facing::Front, 0.0);
             assert_eq!(b.ids[16 * 32 + 16], id, "{d}");
             d *= 1.03;
         }
@@ -295,10 +292,10 @@ mod tests {
     fn r26_a_punched_pixel_accepts_everything_real() {
         let mut b = buffers();
         let id = PixelId::new(PixelKind::Room, 5, 5);
-        b.id_triangle(wall(10.0), id, &[]);
+        b.id_triangle(wall(10.0), id, &[], Facing::Front, 0.0);
         b.depth_polygon(&wall(1.0), Some(PUNCH_DEPTH));
         let far = PixelId::new(PixelKind::Terrain, 6, 6);
-        b.id_triangle(wall(3000.0), far, &[]);
+        b.id_triangle(wall(3000.0), far, &[], Facing::Front, 0.0);
         assert_eq!(b.ids[16 * 32 + 16], far);
     }
 
@@ -307,7 +304,7 @@ mod tests {
         let mut b = buffers();
         let id = PixelId::new(PixelKind::Room, 5, 5);
         b.depth_polygon(&wall(0.02), None);
-        b.id_triangle(wall(0.5), id, &[]);
+        b.id_triangle(wall(0.5), id, &[], Facing::Front, 0.0);
         assert_eq!(b.ids[16 * 32 + 16], PixelId::BACKGROUND);
     }
 

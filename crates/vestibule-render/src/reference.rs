@@ -11,7 +11,7 @@ use crate::image::{Image, check_size};
 use crate::lighting::{Lamp, MAX_OBJECT_LAMPS};
 use crate::overlaps::overlapping_cells;
 use crate::paint::{MeshLight, Mode, Owner, Painter};
-use crate::raster::scan::{Affine, Projection};
+use crate::raster::scan::{Affine, GROWTH, Projection};
 use crate::raster::{Buffers, PUNCH_DEPTH, PixelId, PixelKind};
 use crate::scene::{RenderCounters, RenderSettings, Scene};
 
@@ -171,6 +171,8 @@ fn paint(
     buffers.color.fill([clear.x as u8, clear.y as u8, clear.z as u8, 255]);
     let painter = Painter::new(mode, *settings, camera, buffers, day, sealed);
     let mut run = Run::new(scene, camera, painter);
+    // Until there is a landscape, everything is the viewer's own rooms.
+    run.close_cracks(frame.interior().is_some());
     if settings.confine_overlaps {
         run.overlaps = frame
             .floods()
@@ -232,6 +234,11 @@ impl<'a> Run<'a> {
         self.light = light;
     }
 
+    /// Whether what follows are the rooms around the viewer, which must be watertight.
+    pub(crate) fn close_cracks(&mut self, close: bool) {
+        self.painter.growth = if close { GROWTH } else { 0.0 };
+    }
+
     fn missing(&mut self) {
         self.painter.counters.missing += 1;
     }
@@ -239,7 +246,10 @@ impl<'a> Run<'a> {
     fn command(&mut self, frame: &FrameView, command: &Command) {
         match *command {
             Command::Light(light) => self.light = light,
-            Command::Sky => self.sky(sky_bounds(frame, &self.camera)),
+            Command::Sky => {
+                self.close_cracks(false);
+                self.sky(sky_bounds(frame, &self.camera));
+            }
             Command::Terrain(cell) => self.terrain(cell),
             Command::TerrainBlock { block, stride } => self.terrain_block(block, stride),
             Command::FlushAlpha => self.painter.flush(),
@@ -275,7 +285,10 @@ impl<'a> Run<'a> {
                 None => self.object(id, cell, &[]),
             },
             Command::NextStamp => {}
-            Command::ClearDepth => self.painter.buffers.clear_depth(),
+            Command::ClearDepth => {
+                self.painter.buffers.clear_depth();
+                self.close_cracks(true);
+            }
             Command::Weather => self.sky_things(true),
         }
     }
@@ -300,7 +313,7 @@ impl<'a> Run<'a> {
                 edges
                     .map(|e| {
                         let n = self.painter.eye.turn(e.normal.as_dvec3());
-                        self.painter.buffers.screen.dot_ray(n)
+                        self.painter.buffers.screen.dot_ray(n).grown(2.0 * GROWTH)
                     })
                     .collect()
             };

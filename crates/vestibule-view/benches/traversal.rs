@@ -10,7 +10,9 @@ use std::time::Instant;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Vec2, Vec3};
 use vestibule_dat::DatSet;
-use vestibule_view::{BlockOpenings, Camera, PView, PortalSpec, RoomSpec};
+use vestibule_view::{
+    BlockOpenings, Camera, FrameInput, FrameView, Openings, PView, PortalSpec, RoomSpec, WorldObjects,
+};
 use vestibule_world::{CellId, PortalTarget, World};
 
 const EYES: usize = 1_000;
@@ -135,5 +137,37 @@ fn traversal(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, traversal);
+/// Whole frames of a town house, from its yard and from inside: rooms, doors, terrain, objects.
+fn frames(c: &mut Criterion) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/vectors/worlds/cottage-1");
+    let Some(world) = DatSet::open(folder).ok().and_then(|dats| World::open(dats).ok()) else {
+        return;
+    };
+    let openings = Openings::new();
+    let objects = WorldObjects::new(&world);
+    let yard = (CellId(0xA9B4_001C), Vec3::new(84.0, 74.0, 41.6), Vec3::Y);
+    let room = (CellId(0xA9B4_0101), Vec3::new(84.0, 85.0, 41.6), -Vec3::Y);
+    let mut group = c.benchmark_group("frame of cottage-1");
+    for (name, (cell, eye, look)) in [("from the yard", yard), ("from the room", room)] {
+        let screen = Vec2::new(1280.0, 720.0);
+        let Ok(camera) = Camera::new(cell, eye, look, Vec3::Z, 0.936, screen) else {
+            return;
+        };
+        let input = FrameInput::new(camera);
+        let mut frame = FrameView::default();
+        group.bench_function(name, |b| {
+            b.iter(|| frame.update(&world, &openings, &objects, black_box(&input)));
+        });
+    }
+    group.finish();
+}
+
+fn config() -> Criterion {
+    Criterion::default()
+        .warm_up_time(std::time::Duration::from_secs(1))
+        .measurement_time(std::time::Duration::from_secs(3))
+        .sample_size(20)
+}
+
+criterion_group!(name = benches; config = config(); targets = traversal, frames);
 criterion_main!(benches);

@@ -246,12 +246,7 @@ impl PView {
         results.clear();
         self.flood_from_cell(openings, cell, eye, view, camera, &mut results);
         self.results = results;
-        // One result was just written.
-        let record = self.results.floods.last().copied().unwrap_or_default();
-        debug_assert_eq!(self.results.len(), 1);
-        self.results
-            .get(0)
-            .unwrap_or_else(|| unreachable!("a flood leaves a result: {record:?}"))
+        self.results.last()
     }
 
     /// Floods from a cell and appends the result, an empty one when the cell is not loaded.

@@ -327,29 +327,50 @@ fn r20_everything_once_between_stamps() {
     let openings = Openings::new();
     let mut frame = FrameView::default();
     let block = world.block(vestibule_world::BlockId(0xA9B4)).unwrap();
-    let mut looked = 0;
+    let (mut looked, mut drawn_twice) = (0, 0);
     for cell in block.env_cells() {
         let bounds = cell.structure.bounds.unwrap();
-        let eye = cell.frame.local_to_global((bounds.min + bounds.max) * 0.5);
-        for look in [Vec3::X, Vec3::Y, -Vec3::X, -Vec3::Y] {
+        for k in 0..400u32 {
+            // Spread over the room by whole steps.
+            let part = |step: u32| (k * step % 97) as f32 / 97.0;
+            let inside = Vec3::new(part(13), part(29), 0.3 + 0.4 * part(41));
+            let eye = cell
+                .frame
+                .local_to_global(bounds.min + (bounds.max - bounds.min) * inside);
+            if !cell.contains_point(eye) {
+                continue;
+            }
+            let look = Vec3::new(libm::sinf(k as f32), libm::cosf(k as f32), 0.0);
             let input = FrameInput::new(camera(cell.id, eye, look));
             frame.update(&world, &openings, &WorldObjects::new(&world), &input);
             looked += frame.look_ins().list().len();
             let (mut rooms, mut objects) = (HashSet::new(), HashSet::new());
+            let mut before = HashSet::new();
             for c in frame.commands() {
                 match c {
                     Command::NextStamp => {
+                        before = core::mem::take(&mut rooms);
                         rooms.clear();
                         objects.clear();
                     }
-                    Command::Room { cell, .. } => assert!(rooms.insert(*cell)),
+                    Command::Room { cell, .. } => {
+                        assert!(rooms.insert(*cell));
+                        drawn_twice += usize::from(before.contains(cell));
+                    }
                     Command::Object { id, .. } => assert!(objects.insert(*id)),
                     _ => {}
                 }
             }
         }
     }
-    let _ = writeln!(std::io::stderr(), "{looked} looks into buildings from rooms");
+    let _ = writeln!(
+        std::io::stderr(),
+        "{looked} looks into buildings from rooms, {drawn_twice} rooms drawn twice"
+    );
+    assert!(
+        drawn_twice > 0,
+        "the own house seen through its window, once a stamp"
+    );
 }
 
 #[test]

@@ -85,7 +85,7 @@ impl CellArray {
 
     /// Clears the array and lists one cell.
     #[inline]
-    pub(crate) fn start(&mut self, id: CellId, resident: bool) {
+    pub fn start(&mut self, id: CellId, resident: bool) {
         self.clear();
         self.entries.push(CellEntry { id, resident });
     }

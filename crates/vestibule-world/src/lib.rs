@@ -70,12 +70,14 @@ pub use cell_bsp::{CellBsp, Inside};
 pub use cell_manager::CellManager;
 pub use env_cell::{CellPortal, CellStruct, EnvCell, PortalTarget};
 pub use error::{LoadProblem, ProblemKind, WorldError};
-pub use find_cell_list::{CellList, MAX_CELL_LIST_CYLSPHERES, find_cell_list, find_cell_list_of_cylspheres};
+pub use find_cell_list::{
+    CellList, MAX_CELL_LIST_CYLSPHERES, calm_distance, find_cell_list, find_cell_list_of_cylspheres,
+};
 pub use frame::{Frame, normalise};
 pub use geometry::{BoundingBox, CylSphere, Plane, Side, Sphere};
 pub use ids::{BlockId, CellId, LandCoord, ParseCellIdError};
 pub use landblock::{LAND_CELLS, Land, Landblock};
-pub use physics_bsp::{Child, ChildKind, Face, FaceEdge, PhysicsBsp, PhysicsLeaf, PhysicsNode};
+pub use physics_bsp::{Child, ChildKind, Face, FaceEdge, PhysicsBsp, PhysicsLeaf, PhysicsNode, SURE_OVERLAP};
 pub use polygon::{Polygon, PolygonSet};
 pub use position::{MapCoordinates, ParseMapCoordinatesError, ParsePositionError, Position, heading_of};
 pub use region::{REGION_RECORD, Region};

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::constants::EPSILON;
-use crate::geometry::{BoundingBox, Plane, Sphere};
+use crate::geometry::{BoundingBox, Plane, Side, Sphere};
 use crate::open_box::open_box;
 use crate::polygon::PolygonSet;
 
@@ -87,7 +87,13 @@ pub struct Face {
     edge_count: u32,
     /// Position of the polygon in [`PhysicsBsp::polygons`].
     pub polygon: u32,
+    /// The polygon lies where the tree says: whatever overlaps it by more than [`SURE_OVERLAP`] finds it by a
+    /// walk.
+    pub sound: bool,
 }
+
+/// How deep a sphere must overlap a sound [`Face`] for a walk to be certain to reach it, metres.
+pub const SURE_OVERLAP: f32 = 1e-3;
 
 /// An edge of a [`Face`], from one vertex to the next; the first runs from the last vertex to the first
 /// (`transition.md` 6.5).
@@ -152,7 +158,8 @@ pub struct PhysicsBsp {
     up_quads: usize,
     /// No polygon enters this box; empty (inside out) when there is none.
     open: BoundingBox,
-    has_solid_leaf: bool,
+    /// No leaf that is solid and has polygons reaches into `open`.
+    open_is_hollow: bool,
 }
 
 impl PhysicsBsp {
@@ -195,6 +202,7 @@ impl PhysicsBsp {
                 first_edge,
                 edge_count,
                 polygon: index,
+                sound: false,
             });
         }
         let (quads, up_quads) = plane_quads(&faces);
@@ -209,18 +217,123 @@ impl PhysicsBsp {
                 )
             })
             .collect();
-        PhysicsBsp {
+        let mut bsp = PhysicsBsp {
             quads,
             up_quads,
             open: open_box(&boxes).unwrap_or(NO_BOX),
-            has_solid_leaf: leaves.iter().any(|l| l.solid && l.count != 0),
+            open_is_hollow: false,
             root,
             nodes: nodes.into(),
             leaves: leaves.into(),
             faces: faces.into(),
             edges: edges.into(),
             polygons,
+        };
+        bsp.audit();
+        bsp
+    }
+
+    /// Works out what holds for the tree as a whole: which faces lie where it says, and whether its open space is
+    /// hollow.
+    fn audit(&mut self) {
+        if let Some(quads) = &self.quads {
+            let listed: Vec<u32> = quads.iter().flat_map(|q| q.faces).collect();
+            for i in listed {
+                let Some(face) = self.faces.get(i as usize) else {
+                    continue;
+                };
+                let polygon: Vec<Vec3> = self.edges(face).iter().map(|e| e.start).collect();
+                let small = polygon.iter().all(|v| v.abs().max_element() < 64.0);
+                let sound = small && self.is_found(self.root, &polygon, face.polygon, 0);
+                if let Some(face) = self.faces.get_mut(i as usize) {
+                    face.sound = sound;
+                }
+            }
         }
+        self.open_is_hollow = self.is_hollow_below(self.root);
+    }
+
+    /// Whether a walk below `at` finds the polygon `id` for every sphere that overlaps the piece `part` of it by
+    /// more than [`SURE_OVERLAP`].
+    fn is_found(&self, at: Child, part: &[Vec3], id: u32, depth: u32) -> bool {
+        // Pieces thinner than this do not matter: an overlap is deeper.
+        const TOLERANCE: f32 = 1e-4;
+        let within = |s: &Sphere| {
+            part.iter().all(|&p| {
+                let between = p - s.center;
+                let r = s.radius + TOLERANCE;
+                between.dot(between) <= r * r
+            })
+        };
+        match at.kind() {
+            ChildKind::Absent => false,
+            ChildKind::Leaf(index) => self.leaves.get(index).is_some_and(|leaf| {
+                within(&leaf.sphere) && self.faces_of(leaf).iter().any(|f| f.polygon == id)
+            }),
+            ChildKind::Node(index) => {
+                let Some(node) = self.nodes.get(index) else {
+                    return false;
+                };
+                let n = node.plane.normal;
+                let unit = (n.dot(n) - 1.0).abs() < 1e-4;
+                if !unit || depth > 64 || node.sphere.is_some_and(|s| !within(&s)) {
+                    return false;
+                }
+                let in_front = part.iter().any(|&p| node.plane.dist(p) > TOLERANCE);
+                let behind = part.iter().any(|&p| node.plane.dist(p) < -TOLERANCE);
+                let below = |child, part: &[Vec3]| self.is_found(child, part, id, depth + 1);
+                match (in_front, behind) {
+                    // In the plane: what overlaps it straddles the plane, and both sides are walked.
+                    (false, false) => below(node.positive, part) || below(node.negative, part),
+                    (true, false) => below(node.positive, part),
+                    (false, true) => below(node.negative, part),
+                    (true, true) => {
+                        let flipped = Plane {
+                            normal: -n,
+                            d: -node.plane.d,
+                        };
+                        below(node.positive, &clipped(part, &node.plane))
+                            && below(node.negative, &clipped(part, &flipped))
+                    }
+                }
+            }
+        }
+    }
+
+    fn is_hollow_below(&self, at: Child) -> bool {
+        let mut open = vec![at];
+        // Centres of spheres keep away from the sides.
+        let inset = Vec3::splat(LEAST_CLEAR_RADIUS - 0.01);
+        let centers = BoundingBox {
+            min: self.open.min + inset,
+            max: self.open.max - inset,
+        };
+        let mut steps = 0;
+        while let Some(at) = open.pop() {
+            steps += 1;
+            match at.kind() {
+                ChildKind::Absent => {}
+                ChildKind::Leaf(index) => {
+                    if self.leaves.get(index).is_some_and(|l| l.solid && l.count != 0) {
+                        return false;
+                    }
+                }
+                ChildKind::Node(index) => {
+                    let Some(node) = self.nodes.get(index) else {
+                        continue;
+                    };
+                    match centers.side_of(&node.plane) {
+                        Side::Positive => open.push(node.positive),
+                        Side::Negative => open.push(node.negative),
+                        Side::Crossing => open.extend([node.positive, node.negative]),
+                    }
+                }
+            }
+            if steps > 100_000 {
+                return false;
+            }
+        }
+        true
     }
 
     /// The inner nodes, parents before children.
@@ -264,7 +377,8 @@ impl PhysicsBsp {
         // An overlap must be deeper than epsilon; rounding is far below the rest.
         let r = radius - 0.75 * EPSILON;
         let BoundingBox { min, max } = &self.open;
-        let inside = (center.x - r > min.x)
+        let inside = (radius > LEAST_CLEAR_RADIUS)
+            & (center.x - r > min.x)
             & (center.x + r < max.x)
             & (center.y - r > min.y)
             & (center.y + r < max.y)
@@ -300,10 +414,11 @@ impl PhysicsBsp {
         Some(false)
     }
 
-    /// Whether some leaf with polygons is solid.
+    /// Whether no point of the open space of [`PhysicsBsp::certainly_clear`] is in a leaf that is solid and has
+    /// polygons.
     #[inline]
-    pub fn has_solid_leaf(&self) -> bool {
-        self.has_solid_leaf
+    pub fn open_is_hollow(&self) -> bool {
+        self.open_is_hollow
     }
 
     /// The polygons, owner-local coordinates.
@@ -319,6 +434,27 @@ impl PhysicsBsp {
             ChildKind::Leaf(i) => self.leaves.get(i).map(|l| l.sphere),
         }
     }
+}
+
+/// Smaller spheres are not said to be clear.
+const LEAST_CLEAR_RADIUS: f32 = 0.06;
+
+/// The piece of a polygon in front of a plane.
+fn clipped(polygon: &[Vec3], plane: &Plane) -> Vec<Vec3> {
+    let mut out = Vec::with_capacity(polygon.len() + 1);
+    let Some(&last) = polygon.last() else { return out };
+    let mut from = (last, plane.dist(last));
+    for &p in polygon {
+        let dist = plane.dist(p);
+        if (from.1 < 0.0) != (dist < 0.0) {
+            out.push(from.0 + (p - from.0) * (from.1 / (from.1 - dist)));
+        }
+        if dist >= 0.0 {
+            out.push(p);
+        }
+        from = (p, dist);
+    }
+    out
 }
 
 /// A box that holds nothing.

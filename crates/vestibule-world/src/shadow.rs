@@ -49,7 +49,7 @@ impl ShadowLists {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&*self.starts) + size_of_val(&*self.refs) + size_of_val(&*self.reaches)
+        size_of_val(&*self.starts) + size_of_val(&*self.refs)
     }
 
     /// Builds the lists of `block` from its own statics and those of the blocks around it.
@@ -67,15 +67,14 @@ impl ShadowLists {
                     (world.block(id), false)
                 };
                 let Some(near) = near else { continue };
-                let reach = near.reach(world);
-                let offset = block_offset(block.id, id);
-                let entries = if own { &reach.own } else { &reach.foreign };
-                for entry in entries.iter().filter(|entry| entry.cell.block() == block.id) {
-                    if let Some(slot) = slot(entry.cell).filter(|&s| s < cells) {
-                        let index = entry.index;
-                        let mut sphere = entry.sphere;
-                        sphere.center += offset;
-                        found.push((slot, StaticRef { block: id, index }, sphere));
+                let cells_of = near.reach(world);
+                let entries = if own { &cells_of.own } else { &cells_of.foreign };
+                for &(cell, index) in entries.iter().filter(|(cell, _)| cell.block() == block.id) {
+                    let placed = near.statics.get(index as usize);
+                    if let (Some(slot), Some(object)) = (slot(cell).filter(|&s| s < cells), placed) {
+                        let mut bound = bounding_sphere_of(object);
+                        bound.center += block_offset(block.id, object.cell.block());
+                        found.push((slot, StaticRef { block: id, index }, bound));
                     }
                 }
             }
@@ -99,67 +98,8 @@ impl ShadowLists {
     }
 }
 
-/// The cells that the static objects of one landblock occupy, with the position of the object, object by object.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Reach {
-    /// Cells of the landblock itself.
-    own: Box<[Reached]>,
-    /// Cells of other landblocks.
-    foreign: Box<[Reached]>,
-}
-
-/// A cell that a static object occupies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Reached {
-    cell: CellId,
-    /// Position of the object among the landblock's.
-    index: u32,
-    /// Holds all of the object that can be run into, in the frame of its landblock.
-    sphere: Sphere,
-}
-
-impl Reach {
-    /// Works out the cells of every static object whose own cell is resident (`world.md` H2, H4).
-    pub(crate) fn build(world: &World, block: &Landblock) -> Self {
-        let mut array = CellArray::new();
-        let (mut own, mut foreign) = (Vec::new(), Vec::new());
-        for (index, object) in (0u32..).zip(&block.statics) {
-            if !world.is_resident(object.cell) {
-                continue;
-            }
-            calc_cross_cells_static(world, object, &mut array);
-            let sphere = reach_of(object);
-            for entry in array.entries() {
-                let list = if entry.id.block() == block.id {
-                    &mut own
-                } else {
-                    &mut foreign
-                };
-                list.push(Reached {
-                    cell: entry.id,
-                    index,
-                    sphere,
-                });
-            }
-        }
-        Reach {
-            own: own.into(),
-            foreign: foreign.into(),
-        }
-    }
-
-    /// Whether an object reaches, or would reach, a cell of another landblock.
-    pub(crate) fn touches(&self, block: BlockId) -> bool {
-        self.foreign.iter().any(|entry| entry.cell.block() == block)
-    }
-
-    pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&*self.own) + size_of_val(&*self.foreign)
-    }
-}
-
 /// A sphere that holds all of an object that can be run into, in the frame of its landblock.
-fn reach_of(object: &StaticObject) -> Sphere {
+fn bounding_sphere_of(object: &StaticObject) -> Sphere {
     let shape = &object.shape;
     let mut spheres: Vec<Sphere> = Vec::new();
     if shape.has_physics_bsp {
@@ -200,6 +140,50 @@ fn reach_of(object: &StaticObject) -> Sphere {
         radius = if far > radius { far } else { radius };
     }
     Sphere::new(center, radius + 0.02)
+}
+
+/// The cells that the static objects of one landblock occupy, with the position of the object, object by object.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Reach {
+    /// Cells of the landblock itself.
+    own: Box<[(CellId, u32)]>,
+    /// Cells of other landblocks.
+    foreign: Box<[(CellId, u32)]>,
+}
+
+impl Reach {
+    /// Works out the cells of every static object whose own cell is resident (`world.md` H2, H4).
+    pub(crate) fn build(world: &World, block: &Landblock) -> Self {
+        let mut array = CellArray::new();
+        let (mut own, mut foreign) = (Vec::new(), Vec::new());
+        for (index, object) in (0u32..).zip(&block.statics) {
+            if !world.is_resident(object.cell) {
+                continue;
+            }
+            calc_cross_cells_static(world, object, &mut array);
+            for entry in array.entries() {
+                let list = if entry.id.block() == block.id {
+                    &mut own
+                } else {
+                    &mut foreign
+                };
+                list.push((entry.id, index));
+            }
+        }
+        Reach {
+            own: own.into(),
+            foreign: foreign.into(),
+        }
+    }
+
+    /// Whether an object reaches, or would reach, a cell of another landblock.
+    pub(crate) fn touches(&self, block: BlockId) -> bool {
+        self.foreign.iter().any(|(cell, _)| cell.block() == block)
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.own) + size_of_val(&*self.foreign)
+    }
 }
 
 /// Position of a cell in the lists of its block.

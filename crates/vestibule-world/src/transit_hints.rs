@@ -6,7 +6,7 @@ use glam::Vec3;
 use crate::constants::{CELL_BSP_SPHERE_FUDGE, EPSILON};
 use crate::env_cell::{CellPortal, EnvCell, PortalTarget};
 use crate::frame::Frame;
-use crate::geometry::{BoundingBox, Plane};
+use crate::geometry::{BoundingBox, Plane, Sphere};
 
 /// How far a hint stays away from the exact answer, metres: many times the rounding of coordinates up to
 /// [`MAX_COORDINATE`].
@@ -41,6 +41,43 @@ impl TransitHints {
         }
     }
 
+    /// How far spheres at these places may be shifted together and still touch this cell only, with the first
+    /// centre inside, metres. Zero or less: nothing is certain.
+    #[inline]
+    pub(crate) fn calm_distance(&self, spheres: &[Sphere]) -> f32 {
+        let (Some(BoundingBox { min, max }), Some(foot)) = (&self.core, spheres.first()) else {
+            return 0.0;
+        };
+        let (a, b) = (foot.center - *min, *max - foot.center);
+        let mut least = a.x;
+        for d in [a.y, a.z, b.x, b.y, b.z] {
+            least = if d < least { d } else { least };
+        }
+        for plane in &self.away {
+            for s in spheres {
+                let d = -(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)) - plane.dist(s.center);
+                least = if d < least { d } else { least };
+            }
+        }
+        least * UNIT_TOLERANCE
+    }
+
+    /// How far spheres may be shifted together and certainly stay outside the cell, metres. Zero or less: nothing
+    /// is certain.
+    #[inline]
+    pub(crate) fn outside_distance(&self, spheres: &[Sphere]) -> f32 {
+        let mut least = f32::INFINITY;
+        for s in spheres {
+            let mut most = 0.0;
+            for plane in &self.planes {
+                let d = -(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)) - plane.dist(s.center);
+                most = if d > most { d } else { most };
+            }
+            least = if most < least { most } else { least };
+        }
+        least * UNIT_TOLERANCE
+    }
+
     /// Whether a sphere is certainly out of reach of portal `index` and what it leads to.
     #[inline]
     pub(crate) fn certainly_away(&self, index: usize, center: Vec3, radius: f32) -> bool {
@@ -57,6 +94,9 @@ impl TransitHints {
         self.planes.iter().any(|plane| plane.dist(center) < reach)
     }
 }
+
+/// Normals that count as unit vectors may be this much longer.
+const UNIT_TOLERANCE: f32 = 0.999;
 
 /// A plane of a cell in the frame of its landblock; without effect when it cannot be trusted.
 fn in_landblock(frame: &Frame, plane: &Plane) -> Plane {

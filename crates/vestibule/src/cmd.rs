@@ -1,5 +1,6 @@
 //! The subcommands, one a file.
 
+mod bench;
 mod build;
 mod conform;
 mod dat;
@@ -10,6 +11,7 @@ mod map;
 mod place;
 mod refs;
 mod tour;
+mod visible;
 mod wheres;
 
 use crate::ui::Context;
@@ -21,11 +23,14 @@ pub(crate) enum Command {
     Inspect(inspect::Args),
     Ls(ls::Args),
     Refs(refs::Args),
+    Visible(visible::Args),
     Map(map::Args),
     Build(build::Args),
     #[command(subcommand)]
     Dat(dat::Command),
     Conform(conform::Args),
+    #[command(subcommand)]
+    Bench(bench::Command),
 }
 
 impl Command {
@@ -37,6 +42,8 @@ impl Command {
             Command::Ls(args) => ls::run(args, context),
             Command::Refs(args) => refs::run(args, context),
             Command::Build(args) => build::run(args, context),
+            Command::Visible(args) => visible::run(args, context),
+            Command::Bench(command) => command.run(context),
             Command::Map(args) => map::run(args, context),
             Command::Dat(command) => command.run(context),
             Command::Conform(args) => conform::run(args, context),

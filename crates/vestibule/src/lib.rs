@@ -42,6 +42,7 @@ pub mod references;
 pub mod route;
 pub mod round_trips;
 pub mod tour;
+pub mod visible_svg;
 pub mod walker;
 
 pub use open::{EMBEDDED_NAME, OpenError, open_dats, open_world};

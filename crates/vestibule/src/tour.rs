@@ -22,6 +22,8 @@ const STUCK_TICKS: u32 = 15;
 const FALL_TICKS: u32 = 450;
 /// Speed of a jump off an edge, m/s: upwards, and over the ground.
 const JUMP: (f32, f32) = (2.0, 2.5);
+/// Openings higher than this above the floor are windows, metres: a little more than a player steps up.
+const REACH: f32 = 0.65;
 /// Steps taken beyond the end of a way that has not yet led into its cell.
 const OVERSHOOT_STEPS: u32 = 8;
 /// How near a point of the route counts as there, metres.
@@ -143,7 +145,9 @@ pub struct TourSummary {
     pub seconds: f32,
     /// Connected env cells that were not entered.
     pub not_entered: Vec<String>,
-    /// Openings not walked through: windows, drops, things in the way.
+    /// Windows and hatches that no floor, stair or ground comes near to: not tried.
+    pub out_of_reach: usize,
+    /// Openings not walked through: drops that cannot be taken, things in the way.
     pub not_passed: Vec<Unpassed>,
     /// Entrances that no way over land was found to.
     pub unreached_entrances: Vec<Unpassed>,
@@ -247,6 +251,10 @@ impl<'w, 'o> Tour<'w, 'o> {
                 continue;
             }
             self.done.insert(opening.id);
+            if window_from_outside(self.walker.world(), &opening) {
+                self.summary.out_of_reach += 1;
+                continue;
+            }
             self.outside = self.footing;
             let way = route::in_through(&mut self.walker, &self.footing, &opening);
             let passed = way.is_some_and(|way| self.follow(&way, |cell| cell == opening.id.cell));
@@ -312,6 +320,10 @@ impl<'w, 'o> Tour<'w, 'o> {
             self.done.insert(opening.id);
             self.done.extend(opening.opposite);
             let before = self.footing;
+            if out_of_reach(&opening, &before) && !self.may_climb_to(&opening) {
+                self.summary.out_of_reach += 1;
+                continue;
+            }
             let way = route::out_through(&mut self.walker, &before, &opening);
             let to = opening.to;
             let arrived = move |cell: CellId| match to {
@@ -323,7 +335,7 @@ impl<'w, 'o> Tour<'w, 'o> {
                     self.teleport(before);
                 }
                 match opening.to {
-                    PortalTarget::Cell(other) if !self.visited.contains(&other) => {
+                    PortalTarget::Cell(other) if !self.visited.contains(&other) && !out_of_reach(&opening, &before) => {
                         self.drops.push((before, opening));
                     }
                     _ => {
@@ -344,6 +356,20 @@ impl<'w, 'o> Tour<'w, 'o> {
         }
     }
 
+    /// Whether the cell has a floor within a step of the opening, at the opening's place.
+    fn may_climb_to(&self, opening: &Opening) -> bool {
+        let Some(cell) = self.walker.world().env_cell(opening.id.cell) else { return false };
+        let structure = &cell.structure;
+        let Some(physics) = &structure.physics else { return false };
+        let lowest = lowest(opening);
+        // A stair or a ramp that comes up to the opening has a walkable face that high.
+        physics.faces().iter().any(|face| {
+            let normal = cell.frame.local_to_global_vec(face.plane.normal);
+            let corners = physics.edges(face).iter().map(|edge| cell.frame.local_to_global(edge.start));
+            normal.z >= vestibule_world::constants::FLOOR_Z && corners.into_iter().any(|c| c.z > lowest - REACH)
+        })
+    }
+
     /// Over an edge: walks towards the middle of an opening, jumps where the ground ends, and falls. Says whether the
     /// player came to rest in another cell.
     fn drop_through(&mut self, opening: &Opening) -> bool {
@@ -361,7 +387,7 @@ impl<'w, 'o> Tour<'w, 'o> {
             }
             let standing = self.footing.is_standing();
             if standing && self.footing.at.cell != from {
-                return true;
+                return !self.visited.contains(&self.footing.at.cell);
             }
             let pace = if standing { STEP } else { JUMP.1 * TICK };
             // Over a hole in the floor straight down; through an upright opening on and on.
@@ -380,7 +406,7 @@ impl<'w, 'o> Tour<'w, 'o> {
                 self.footing = self.walker.jump(&self.footing, JUMP.0);
             }
         }
-        self.footing.is_standing() && self.footing.at.cell != from
+        false
     }
 
     /// Puts the player back to where it has been.
@@ -597,6 +623,27 @@ impl<'w, 'o> Tour<'w, 'o> {
         summary.seconds = self.trail.last().map_or(0.0, |step| step.t);
         Ok((self.trail, self.summary))
     }
+}
+
+/// Height of an opening's lowest corner in the frame of its landblock, metres.
+fn lowest(opening: &Opening) -> f32 {
+    opening.corners.iter().map(|c| c.z).fold(f32::INFINITY, f32::min)
+}
+
+/// Whether an opening lies higher than one could step.
+fn out_of_reach(opening: &Opening, from: &Footing) -> bool {
+    lowest(opening) > from.at.origin().z + REACH
+}
+
+/// Whether the ground before an opening lies too low to step in.
+fn window_from_outside(world: &World, opening: &Opening) -> bool {
+    let front = opening.middle + opening.outward.with_z(0.0).normalize_or_zero() * 0.6;
+    let Some(ground) = world.ground_at(opening.id.cell, front) else { return false };
+    // A porch or steps of the building's shell may bring one nearer than the ground does.
+    let steps = world.block(opening.id.cell.block()).is_some_and(|block| {
+        block.buildings.iter().any(|b| b.shape.parts.iter().any(|p| p.model.as_ref().is_some_and(|m| m.physics.is_some())))
+    });
+    lowest(opening) > ground.z + if steps { 2.0 * REACH } else { REACH }
 }
 
 /// A position to the centimetre, without rotation.

@@ -6,9 +6,13 @@
 
 use glam::{DVec2, DVec3};
 
-/// Opaque triangles cover pixels whose centre is this near to them, pixels: rooms whose walls meet without sharing
-/// corners, or in f32 of different frames, still close (`rendering.md` 7.5 needs watertight interiors).
+/// Walls of the viewer's own rooms also cover pixels whose centre is this near to them, pixels: rooms whose walls meet
+/// without sharing corners, or in f32 of different frames, still close (`rendering.md` 7.5 needs watertight
+/// interiors).
 pub(crate) const GROWTH: f64 = 1.0 / 256.0;
+/// A pixel that is only covered by growth counts as this many times farther away, so that whatever really covers it
+/// wins and only cracks are filled.
+const GROWN_DEPTH: f64 = 1.0 / 64.0;
 
 /// From camera axes (x right, y forward, z up) to pixels (`rendering.md` 2.6).
 #[derive(Clone, Copy, Debug)]
@@ -51,11 +55,17 @@ impl Affine {
         }
     }
 
+    /// How much the value changes over this many pixels, across and down together.
+    #[inline]
+    fn across(&self, pixels: f64) -> f64 {
+        pixels * (self.a.abs() + self.b.abs())
+    }
+
     /// Moved outward by a part of a pixel.
     #[inline]
-    fn grown(&self, pixels: f64) -> Affine {
+    pub(crate) fn grown(&self, pixels: f64) -> Affine {
         Affine {
-            c: self.c + pixels * (self.a.abs() + self.b.abs()),
+            c: self.c + self.across(pixels),
             ..*self
         }
     }
@@ -141,7 +151,27 @@ pub(crate) struct Setup {
     /// The weights of the corners, divided by the forward distance.
     pub(crate) weights: [Affine; 3],
     planes: [Affine; 5],
+    /// How far out the first three planes may be overstepped.
+    margins: [f64; 3],
     bounds: [u32; 4],
+}
+
+/// A run of covered pixels of one row, from (inclusive) and to (exclusive).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Span {
+    pub(crate) y: u32,
+    pub(crate) first: u32,
+    pub(crate) end: u32,
+    /// The part that is covered without growth.
+    pub(crate) inner: (u32, u32),
+}
+
+impl Span {
+    /// What the depth of a column is multiplied with.
+    #[inline]
+    pub(crate) fn depth_factor(&self, x: u32) -> f64 {
+        if x >= self.inner.0 && x < self.inner.1 { 1.0 } else { GROWN_DEPTH }
+    }
 }
 
 /// Which sides of a triangle show.
@@ -177,17 +207,11 @@ impl Setup {
             c: inverse.c - 1.0e-9,
             ..inverse
         };
-        let planes = [
-            weights[0].grown(growth),
-            weights[1].grown(growth),
-            weights[2].grown(growth),
-            near,
-            ahead,
-        ];
         Some(Setup {
             inverse,
             weights,
-            planes,
+            planes: [weights[0], weights[1], weights[2], near, ahead],
+            margins: [0, 1, 2].map(|k| weights[k].across(growth)),
             bounds,
         })
     }
@@ -208,53 +232,71 @@ impl Setup {
         a.plus(&b).plus(&c)
     }
 
-    /// Calls `row(y, first, end)` for each run of covered pixels, inside `confine` as well.
+    /// Calls `row` for each run of covered pixels, inside `confine` as well.
     #[inline]
-    pub(crate) fn spans(&self, confine: &[Affine], mut row: impl FnMut(u32, u32, u32)) {
-        spans(&self.planes, confine, self.bounds, &mut row);
+    pub(crate) fn spans(&self, confine: &[Affine], mut row: impl FnMut(Span)) {
+        let [x0, x1, y0, y1] = self.bounds;
+        for y in y0..y1 {
+            let mut range = Range {
+                low: f64::from(x0),
+                high: f64::from(x1) - 1.0,
+            };
+            for p in self.planes[3..].iter().chain(confine) {
+                range.cut(p, y, 0.0);
+            }
+            let mut inner = range;
+            for (p, margin) in self.planes.iter().zip(self.margins) {
+                range.cut(p, y, margin);
+                inner.cut(p, y, 0.0);
+            }
+            let (first, end) = range.columns();
+            if first < end {
+                let inner = inner.columns();
+                row(Span { y, first, end, inner });
+            }
+        }
     }
 }
 
-/// Calls `row` for the pixels where all of `planes` and `confine` are not negative.
-#[inline]
-pub(crate) fn spans(
-    planes: &[Affine],
-    confine: &[Affine],
-    bounds: [u32; 4],
-    row: &mut impl FnMut(u32, u32, u32),
-) {
-    let [x0, x1, y0, y1] = bounds;
-    for y in y0..y1 {
-        // First and last column, as numbers on the axis of pixel centres.
-        let (mut low, mut high) = (f64::from(x0), f64::from(x1) - 1.0);
-        for p in planes.iter().chain(confine) {
-            let rest = p.b * f64::from(y) + p.c;
-            if p.a > 0.0 {
-                let x = -rest / p.a;
-                if x > low {
-                    low = x;
-                }
-            } else if p.a < 0.0 {
-                let x = -rest / p.a;
-                if x < high {
-                    high = x;
-                }
-            } else if rest < 0.0 {
-                high = -1.0;
+/// A piece of a row, on the axis of pixel centres.
+#[derive(Clone, Copy, Debug)]
+struct Range {
+    low: f64,
+    high: f64,
+}
+
+impl Range {
+    /// Keeps where `p` is not below minus `margin`.
+    #[inline]
+    fn cut(&mut self, p: &Affine, y: u32, margin: f64) {
+        let rest = p.b * f64::from(y) + p.c + margin;
+        if p.a > 0.0 {
+            let x = -rest / p.a;
+            if x > self.low {
+                self.low = x;
             }
+        } else if p.a < 0.0 {
+            let x = -rest / p.a;
+            if x < self.high {
+                self.high = x;
+            }
+        } else if rest < 0.0 {
+            self.high = -1.0;
         }
-        if !(low <= high) {
-            continue;
+    }
+
+    /// The pixels whose centre is inside, from (inclusive) and to (exclusive).
+    #[inline]
+    fn columns(&self) -> (u32, u32) {
+        if !(self.low <= self.high) {
+            return (0, 0);
         }
-        // Both lie inside the bounds: no cast can overflow.
-        let mut first = low as u32;
-        if f64::from(first) < low {
+        // Both lie on the screen: no cast can overflow.
+        let mut first = self.low as u32;
+        if f64::from(first) < self.low {
             first += 1;
         }
-        let end = high as u32 + 1;
-        if first < end {
-            row(y, first, end);
-        }
+        (first, self.high as u32 + 1)
     }
 }
 
@@ -269,7 +311,7 @@ mod tests {
     fn count(p: [DVec3; 3], growth: f64) -> u32 {
         let mut n = 0;
         if let Some(s) = Setup::new(&screen(), p, Facing::Both, growth) {
-            s.spans(&[], |_, a, b| n += b - a);
+            s.spans(&[], |r| n += r.end - r.first);
         }
         n
     }
@@ -336,9 +378,9 @@ mod tests {
         for k in 0..17 {
             let tri = [middle, rim[k], rim[(k + 1) % 17]];
             if let Some(s) = Setup::new(&screen(), tri, Facing::Both, GROWTH) {
-                s.spans(&[], |y, a, b| {
-                    for x in a..b {
-                        covered[(y * 64 + x) as usize] = 1;
+                s.spans(&[], |r| {
+                    for x in r.first..r.end {
+                        covered[(r.y * 64 + x) as usize] = 1;
                     }
                 });
             }

@@ -5,7 +5,7 @@
 use glam::{Vec2, Vec3};
 use vestibule_dat::DatSet;
 use vestibule_render::{
-    Assets, IdImage, Oracle, PixelId, PixelKind, RenderSettings, Scene, render_everything_ids, render_ids,
+    Assets, Everything, IdImage, Oracle, PixelId, PixelKind, RenderSettings, Scene, render_everything_ids, render_ids,
 };
 use vestibule_view::{Camera, FrameInput, FrameSettings, FrameView, Openings, WorldObjects};
 use vestibule_world::{BlockId, CellId, World};
@@ -71,9 +71,13 @@ impl Stage {
         render_ids(&self.scene(), &self.frame, &RenderSettings::default()).unwrap()
     }
 
-    /// The id picture of a camera, by depth alone.
+    /// The id picture of a camera, by depth alone: rooms and what is in them (the mazes have ground among their rooms).
     pub fn everything(&self, camera: &Camera) -> IdImage {
-        render_everything_ids(&self.scene(), camera, 2, &RenderSettings::default()).unwrap()
+        let rooms = Everything {
+            radius: 0,
+            outdoors: false,
+        };
+        render_everything_ids(&self.scene(), camera, rooms, &RenderSettings::default()).unwrap()
     }
 
     pub fn oracle(&self) -> Oracle {
@@ -229,10 +233,16 @@ impl Rooms {
 pub struct Difference {
     pub pixels: usize,
     pub differing: usize,
-    /// Of these, where the other answer is met within a pixel.
+    /// Of these: surfaces meet within the pixel, and it shows one of those that do.
     pub at_edges: usize,
+    /// Of these: surfaces meet within the pixel, but it shows another.
+    pub at_seams: usize,
+    /// Of these: two rooms do not agree on the opening between them.
+    pub disputed: usize,
     /// Pixels that kept the clear colour.
     pub clear: usize,
+    /// Of these: where two rooms do not agree on their opening.
+    pub clear_disputed: usize,
 }
 
 impl Difference {
@@ -240,27 +250,29 @@ impl Difference {
         self.pixels += o.pixels;
         self.differing += o.differing;
         self.at_edges += o.at_edges;
+        self.at_seams += o.at_seams;
+        self.disputed += o.disputed;
         self.clear += o.clear;
+        self.clear_disputed += o.clear_disputed;
     }
 
     pub fn unexplained(&self) -> usize {
-        self.differing - self.at_edges
+        self.differing - self.at_edges - self.at_seams - self.disputed
     }
 }
 
-/// Same cell and, if not, which pixels.
+/// Pixels that differ between two pictures.
 pub fn compare(a: &IdImage, b: &IdImage) -> Difference {
-    let differing = a.ids().iter().zip(b.ids()).filter(|(a, b)| a != b).count();
     Difference {
         pixels: a.ids().len(),
-        differing,
-        at_edges: 0,
+        differing: a.ids().iter().zip(b.ids()).filter(|(a, b)| a != b).count(),
         clear: a.count(PixelKind::Background),
+        ..Difference::default()
     }
 }
 
-/// Compares a picture with the oracle. A pixel that differs counts as an edge when one of the rays up to one pixel
-/// away meets what the picture shows: there surfaces meet within the pixel.
+/// Compares a picture with the oracle. Where they differ, rays are cast all over the square of one pixel to each
+/// side: surfaces meet within the pixel when they do not all meet the same.
 pub fn compare_with_oracle(
     picture: &IdImage,
     oracle: &Oracle,
@@ -277,22 +289,29 @@ pub fn compare_with_oracle(
             let (cx, cy) = (x as f32 + 0.5, y as f32 + 0.5);
             let shown = picture.get(x, y).unwrap();
             let truth = oracle.pixel(camera, cx, cy);
-            if shown == truth {
+            if shown == truth.id {
                 continue;
             }
             out.differing += 1;
-            let near = |r: f32| {
-                (-4..=4).any(|i| {
-                    (-4..=4).any(|j| {
-                        let (dx, dy) = (i as f32 * r / 4.0, j as f32 * r / 4.0);
-                        oracle.pixel(camera, cx + dx, cy + dy) == shown
-                    })
-                })
-            };
-            if near(0.02) || near(1.0) {
+            let (mut uniform, mut met, mut disputed) = (true, false, truth.disputed);
+            for r in [0.02f32, 1.0] {
+                for k in 0..81 {
+                    let (dx, dy) = ((k % 9 - 4) as f32 * r / 4.0, (k / 9 - 4) as f32 * r / 4.0);
+                    let hit = oracle.pixel(camera, cx + dx, cy + dy);
+                    uniform &= hit.id == truth.id;
+                    met |= hit.id == shown;
+                    disputed |= hit.disputed;
+                }
+            }
+            out.clear_disputed += usize::from(disputed && shown == PixelId::BACKGROUND);
+            if disputed {
+                out.disputed += 1;
+            } else if met {
                 out.at_edges += 1;
+            } else if !uniform {
+                out.at_seams += 1;
             } else {
-                report(x, y, shown, truth);
+                report(x, y, shown, truth.id);
             }
         }
     }

@@ -152,6 +152,9 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
             count(summary.teleports, "time")
         )?;
     }
+    if summary.out_of_reach > 0 {
+        writeln!(out, "{head}out of reach{head:#} {}, more than a step above floor or ground", count(summary.out_of_reach, "opening"))?;
+    }
     for (title, list) in [("not passed", &summary.not_passed), ("not reached", &summary.unreached_entrances)] {
         for (i, opening) in list.iter().enumerate().take(12) {
             let title = if i == 0 { title } else { "" };

@@ -16,23 +16,33 @@ const LEVEL_HEIGHT: f32 = 1.6;
 /// Cells farther apart than this over the ground go to panels of their own, metres.
 const APART: f32 = 12.0;
 
+/// Cells with less floor than this go with a larger neighbour, square metres.
+const NICHE: f32 = 3.0;
+
 /// A cell with what is drawn of it, in the frame of its landblock.
 struct Room<'w> {
     cell: &'w EnvCell,
     floors: Vec<Vec<Vec2>>,
+    /// Faces that look up and cannot be stood on.
+    slopes: Vec<Vec<Vec2>>,
     walls: Vec<[Vec2; 2]>,
     openings: Vec<Opening>,
     low: Vec3,
     high: Vec3,
     label: Vec2,
+    /// Area of the floors, square metres.
+    area: f32,
+    /// Height that decides on which level it is drawn, metres.
+    level: f32,
 }
 
 pub(super) fn draw(svg: &mut Svg, world: &World, block: &Landblock, trail: &[(CellId, Vec3)]) {
     let mut rooms: Vec<Room<'_>> = block.env_cells().filter_map(|cell| room(world, cell)).collect();
-    rooms.sort_by(|a, b| a.low.z.total_cmp(&b.low.z).then(a.cell.id.cmp(&b.cell.id)));
+    attach_niches(&mut rooms);
+    rooms.sort_by(|a, b| a.level.total_cmp(&b.level).then(a.cell.id.cmp(&b.cell.id)));
     let mut levels: Vec<Vec<Room<'_>>> = Vec::new();
     for room in rooms {
-        let fits = levels.last().and_then(|l| l.first()).is_some_and(|first| room.low.z - first.low.z <= LEVEL_HEIGHT);
+        let fits = levels.last().and_then(|l| l.first()).is_some_and(|first| room.level - first.level <= LEVEL_HEIGHT);
         match levels.last_mut() {
             Some(level) if fits => level.push(room),
             _ => levels.push(vec![room]),
@@ -43,6 +53,23 @@ pub(super) fn draw(svg: &mut Svg, world: &World, block: &Landblock, trail: &[(Ce
     for (number, level) in levels.into_iter().enumerate().rev() {
         for group in apart(level) {
             draw_group(svg, block, &group, number + 1, total, trail);
+        }
+    }
+}
+
+/// Windows and other niches are drawn with the room they belong to.
+fn attach_niches(rooms: &mut [Room<'_>]) {
+    let known: Vec<(CellId, f32, f32, f32)> =
+        rooms.iter().map(|room| (room.cell.id, room.area, room.low.z, room.high.z)).collect();
+    for room in rooms.iter_mut().filter(|room| room.area < NICHE) {
+        let host = room.openings.iter().find_map(|opening| match opening.to {
+            PortalTarget::Cell(other) => known.iter().find(|(id, area, low, high)| {
+                *id == other && *area > NICHE && (*low..*high).contains(&room.low.z)
+            }),
+            PortalTarget::Outside => None,
+        });
+        if let Some((_, _, low, _)) = host {
+            room.level = *low;
         }
     }
 }
@@ -85,9 +112,10 @@ fn draw_group(
         low = low.min(room.low);
         high = high.max(room.high);
     }
-    let floor_high = rooms.iter().map(|room| room.low.z).fold(low.z, f32::max);
+    let floor_low = rooms.iter().map(|room| room.level).fold(f32::INFINITY, f32::min);
+    let floor_high = rooms.iter().map(|room| room.level).fold(floor_low, f32::max);
     let floors =
-        if floor_high - low.z < 0.1 { format!("{:.2} m", low.z) } else { format!("{:.2} to {floor_high:.2} m", low.z) };
+        if floor_high - floor_low < 0.1 { format!("{floor_low:.2} m") } else { format!("{floor_low:.2} to {floor_high:.2} m") };
     let heading = format!("Level {number} of {total}: floor at {floors}, {}", count(rooms.len(), "cell"));
     let edge = Vec2::splat(1.2);
     let mut panel = svg.panel(&heading, low.truncate() - edge, high.truncate() + edge, 46.0);
@@ -98,6 +126,9 @@ fn draw_group(
         let light = if room.cell.seen_outside { 90 } else { 82 };
         let sees = if room.cell.seen_outside { "sees the outside" } else { "sealed" };
         let title = format!("{}, {sees}", room.cell.id);
+        for slope in &room.slopes {
+            panel.filled(slope, "fl", &format!("hsl({hue},30%,72%)"), &format!("{title}, too steep to stand on"));
+        }
         for floor in &room.floors {
             panel.filled(floor, "fl", &format!("hsl({hue},45%,{light}%)"), &title);
         }
@@ -141,6 +172,7 @@ fn room<'w>(world: &World, cell: &'w EnvCell) -> Option<Room<'w>> {
     let structure = &cell.structure;
     let bounds = structure.bounds?.mapped(|p| cell.frame.local_to_global(p));
     let mut floors: Vec<Vec<Vec2>> = Vec::new();
+    let mut slopes: Vec<Vec<Vec2>> = Vec::new();
     let mut walls = Vec::new();
     for polygon in structure.polygons.polygons() {
         if structure.portal_polygons.contains(&polygon.id) {
@@ -151,6 +183,8 @@ fn room<'w>(world: &World, cell: &'w EnvCell) -> Option<Room<'w>> {
         let corners: Vec<Vec2> = corners.map(|&v| cell.frame.local_to_global(v).truncate()).collect();
         if normal.z >= FLOOR_Z {
             floors.push(corners);
+        } else if normal.z > 0.05 {
+            slopes.push(corners);
         } else if normal.z.abs() < 0.3 {
             walls.extend(ends_of(&corners));
         }
@@ -167,7 +201,8 @@ fn room<'w>(world: &World, cell: &'w EnvCell) -> Option<Room<'w>> {
     let largest = floors.iter().max_by(|a, b| area(a).total_cmp(&area(b)));
     let label = largest.map_or(middle, |f| f.iter().copied().sum::<Vec2>() / f.len().max(1) as f32);
     let openings = route::openings(world, cell.id);
-    Some(Room { cell, floors, walls, openings, low: bounds.min, high: bounds.max, label })
+    let (area, level) = (floors.iter().map(|f| area(f)).sum(), bounds.min.z);
+    Some(Room { cell, floors, slopes, walls, openings, low: bounds.min, high: bounds.max, label, area, level })
 }
 
 /// The two corners that are farthest apart, if they are apart at all.
