@@ -12,25 +12,34 @@ use crate::transition::{InsertType, Transition, TransitionState};
 impl<'w> Transition<'w, '_> {
     /// The cell's own surroundings, then its building, then its objects; the first that objects decides (7.1,
     /// 7.4).
+    #[inline(always)]
     pub(crate) fn find_collisions_in_cell(&mut self, cell: CellRef<'w>) -> TransitionState {
         match cell {
             CellRef::Env { cell, block } => match self.find_env_cell_collisions(cell) {
                 TransitionState::Ok => self.find_obj_collisions(cell.id, block),
                 ts => ts,
             },
-            CellRef::Land { id, cell, block } => {
-                let mut ts = self.find_land_cell_collisions(id, cell, block);
-                if let (TransitionState::Ok, Some(index)) = (ts, cell.building) {
-                    if let Some(building) = block.buildings.get(usize::from(index)) {
-                        ts = self.find_building_collisions(building);
-                    }
-                }
-                if ts == TransitionState::Ok {
-                    self.find_obj_collisions(id, block)
-                } else {
-                    ts
-                }
-            }
+            CellRef::Land { id, cell, block } => self.find_collisions_on_land(id, cell, block),
+        }
+    }
+
+    #[inline(never)]
+    fn find_collisions_on_land(
+        &mut self,
+        id: CellId,
+        cell: &'w LandCell,
+        block: &'w Landblock,
+    ) -> TransitionState {
+        let mut ts = self.find_land_cell_collisions(id, cell, block);
+        if let (TransitionState::Ok, Some(index)) = (ts, cell.building)
+            && let Some(building) = block.buildings.get(usize::from(index))
+        {
+            ts = self.find_building_collisions(building);
+        }
+        if ts == TransitionState::Ok {
+            self.find_obj_collisions(id, block)
+        } else {
+            ts
         }
     }
 

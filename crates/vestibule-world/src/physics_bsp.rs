@@ -414,6 +414,20 @@ impl PhysicsBsp {
         Some(false)
     }
 
+    /// Whether a point is certainly not in a leaf that is solid and has polygons.
+    #[inline]
+    pub fn is_certainly_hollow_at(&self, p: Vec3) -> bool {
+        let inset = LEAST_CLEAR_RADIUS - 0.01;
+        let BoundingBox { min, max } = &self.open;
+        self.open_is_hollow
+            && p.x - inset > min.x
+            && p.x + inset < max.x
+            && p.y - inset > min.y
+            && p.y + inset < max.y
+            && p.z - inset > min.z
+            && p.z + inset < max.z
+    }
+
     /// The box of open space; inside out when there is none.
     pub(crate) fn open_box(&self) -> BoundingBox {
         self.open
