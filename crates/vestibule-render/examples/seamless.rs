@@ -13,7 +13,7 @@ use std::time::Instant;
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use common::{Difference, Random, Rooms, Stage, camera, compare, compare_with_oracle};
+use common::{Difference, Random, Rooms, Stage, camera, compare, compare_with_oracle, mixed_camera};
 use vestibule_render::PixelKind;
 use vestibule_world::{BlockId, CellId, World};
 
@@ -48,7 +48,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         let Some(mut stage) = stage else { continue };
         let sealed = stage.world.block(stage.block).is_some_and(|b| b.buildings.is_empty());
-        let mine = |id: CellId| names.get(&id).is_some_and(|n| n.contains("mine"));
+        let inner: std::collections::BTreeSet<CellId> = names
+            .iter()
+            .filter(|(id, n)| {
+                // Cells that cannot see the outside: there no ground or shell stands among the rooms.
+                n.contains("mine") && stage.world.env_cell(**id).is_some_and(|c| !c.seen_outside)
+            })
+            .map(|(id, _)| *id)
+            .collect();
+        let mine = |id: CellId| inner.contains(&id);
         if sealed {
             let rooms = Rooms::new(&stage);
             against_everything(&mut stage, &rooms, &name, poses, &mut out)?;
@@ -125,24 +133,8 @@ fn against_rays(
     let mut total = Difference::default();
     let mut reported = 0;
     let started = Instant::now();
-    let outdoors = stage.world.block(stage.block).is_some_and(|b| !b.buildings.is_empty());
     for pose in 0..poses {
-        let (cell, eye) = if outdoors && random.below(2) == 0 {
-            outdoor_eye(stage, &mut random)
-        } else {
-            rooms.eye(stage, &mut random)
-        };
-        let mut forward = random.direction();
-        if !cell.is_indoor() {
-            // Towards the houses, mostly.
-            let block = stage.world.block(stage.block);
-            let buildings = block.map_or(&[][..], |b| &b.buildings);
-            if let Some(house) = buildings.get(random.below(buildings.len())) {
-                let gap = house.frame.origin + glam::Vec3::Z * 1.5 - eye;
-                forward = (gap.normalize_or_zero() + forward * 0.3).normalize_or_zero();
-            }
-        }
-        let camera = camera(cell, eye, forward, SIZE, 1.2);
+        let camera = mixed_camera(stage, &rooms, &mut random, SIZE);
         let picture = stage.ids(camera);
         let mut lines = Vec::new();
         let d = compare_with_oracle(&picture, &oracle, &camera, |x, y, shown, truth| {
@@ -150,7 +142,7 @@ fn against_rays(
         });
         if !lines.is_empty() && reported < 12 {
             reported += 1;
-            writeln!(out, "  pose {pose} {:?} {eye} {forward}: {} unexplained", cell, lines.len())?;
+            writeln!(out, "  pose {pose} {:?} {} {}: {} unexplained", camera.cell(), camera.eye(), camera.forward(), lines.len())?;
             for line in lines.iter().take(3) {
                 writeln!(out, "{line}")?;
             }
@@ -174,27 +166,3 @@ fn against_rays(
     )
 }
 
-fn outdoor_eye(stage: &Stage, random: &mut Random) -> (CellId, glam::Vec3) {
-    let block = stage.world.block(stage.block);
-    loop {
-        let buildings = block.map_or(&[][..], |b| &b.buildings);
-        let Some(house) = buildings.get(random.below(buildings.len())) else {
-            continue;
-        };
-        let reach = if random.below(2) == 0 { 14.0 } else { 60.0 };
-        let p = house.frame.origin
-            + glam::Vec3::new(random.between(-reach, reach), random.between(-reach, reach), 0.0);
-        let any = CellId::new(stage.block, 1);
-        let Some(ground) = stage.world.ground_at(any, p) else { continue };
-        if ground.cell.block() != stage.block {
-            continue;
-        }
-        let eye = glam::Vec3::new(p.x, p.y, ground.z + random.between(0.3, 6.0));
-        // Not inside a room or a shell's box.
-        let inside = block.is_some_and(|b| b.env_cells().any(|c| c.contains_point(eye)));
-        let near_wall = stage.clear_of_shells(eye);
-        if !inside && near_wall {
-            return (ground.cell, eye);
-        }
-    }
-}
