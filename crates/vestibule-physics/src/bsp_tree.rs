@@ -59,15 +59,18 @@ fn reached_faces<'b>(bsp: &'b PhysicsBsp, leaf: usize, s: &Sphere) -> &'b [Face]
 
 /// The first polygon that the sphere overlaps and moves into (6.4). `named` is left at the last polygon it
 /// overlapped, moved into or not (6.5.3).
+#[inline(always)]
 pub(crate) fn sphere_intersects_poly<'b>(
     bsp: &'b PhysicsBsp,
     s: &Sphere,
     movement: Vec3,
     named: &mut Option<&'b Face>,
 ) -> bool {
-    if bsp.certainly_clear(s.center, s.radius) {
-        return false;
-    }
+    !bsp.certainly_clear(s.center, s.radius) && finds_poly(bsp, s, movement, named)
+}
+
+#[inline(never)]
+fn finds_poly<'b>(bsp: &'b PhysicsBsp, s: &Sphere, movement: Vec3, named: &mut Option<&'b Face>) -> bool {
     match hits(bsp, s, false, |_| true) {
         Hits::None => return false,
         Hits::One(face) if is_sure(bsp, face, s) => {
@@ -105,8 +108,7 @@ fn hits<'b>(bsp: &'b PhysicsBsp, s: &Sphere, only_up: bool, filter: impl Fn(&Fac
 /// Whether a walk is certain to reach a polygon that the sphere overlaps.
 #[inline]
 fn is_sure(bsp: &PhysicsBsp, face: &Face, s: &Sphere) -> bool {
-    let deep = Sphere::new(s.center, s.radius - SURE_OVERLAP);
-    face.sound && polygon::polygon_hits_sphere(face, bsp.edges(face), &deep)
+    face.sound && polygon::hits_deeper(face, bsp.edges(face), s, SURE_OVERLAP)
 }
 
 fn intersects_poly<'b>(
@@ -163,10 +165,8 @@ pub(crate) struct WalkableSearch<'b> {
 
 /// Moves the sphere back along its movement onto every polygon level enough to stand on, one after the other
 /// (6.6.2). Never stops early: the last success wins, and each polygon sees the sphere as the last one left it.
+#[inline(never)]
 pub(crate) fn find_walkable<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>) {
-    if bsp.certainly_clear(search.sphere.center, search.sphere.radius) {
-        return;
-    }
     match walkable_hits(bsp, search) {
         Hits::None => {}
         Hits::One(face) => {
@@ -175,7 +175,9 @@ pub(crate) fn find_walkable<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch
                 return;
             }
             // A walk reaches the face for certain; it finds no more if the moved sphere hits nothing.
-            let alone = is_sure(bsp, face, &before.0) && matches!(walkable_hits(bsp, search), Hits::None);
+            let clear = bsp.certainly_clear(search.sphere.center, search.sphere.radius)
+                || matches!(walkable_hits(bsp, search), Hits::None);
+            let alone = clear && is_sure(bsp, face, &before.0);
             if !alone {
                 (search.sphere, search.walk_interp) = before;
                 search.found = None;
@@ -297,11 +299,14 @@ pub fn point_intersects_solid(bsp: &PhysicsBsp, p: Vec3) -> bool {
 }
 
 /// Whether the sphere overlaps a polygon, or its centre a solid leaf when `center_check` (6.3.2).
+#[inline(always)]
 pub(crate) fn sphere_intersects_solid(bsp: &PhysicsBsp, s: &Sphere, center_check: bool) -> bool {
     let hollow = !center_check || bsp.open_is_hollow();
-    if hollow && bsp.certainly_clear(s.center, s.radius) {
-        return false;
-    }
+    !(hollow && bsp.certainly_clear(s.center, s.radius)) && finds_solid(bsp, s, center_check)
+}
+
+#[inline(never)]
+fn finds_solid(bsp: &PhysicsBsp, s: &Sphere, center_check: bool) -> bool {
     match hits(bsp, s, false, |_| true) {
         Hits::None => return center_check && center_is_solid(bsp, s),
         Hits::One(face) if is_sure(bsp, face, s) => return true,

@@ -34,6 +34,7 @@ impl<'w> Transition<'w, '_> {
         }
     }
 
+    #[inline(always)]
     fn find_env_cell_collisions(&mut self, cell: &'w EnvCell) -> TransitionState {
         if let Some(object) = cell.restriction {
             if !self.may_enter(cell.id, object) {
@@ -41,6 +42,31 @@ impl<'w> Transition<'w, '_> {
             }
         }
         self.path.obstruction_ethereal = false;
+        if self.is_in_open_space(cell) {
+            return TransitionState::Ok;
+        }
+        self.find_env_bsp_collisions(cell)
+    }
+
+    /// Whether the candidate certainly overlaps nothing of the cell, whatever is asked (6.10): the usual case.
+    #[inline(always)]
+    fn is_in_open_space(&self, cell: &EnvCell) -> bool {
+        let path = &self.path;
+        if path.check_pos.cell.block() != cell.id.block()
+            || !cell.hints.certainly_clear(&path.global_sphere[0])
+        {
+            return false;
+        }
+        let placing = path.insert_type != InsertType::Transition;
+        if placing && !cell.hints.open_is_hollow() {
+            return false;
+        }
+        let foot_only = path.num_sphere < 2 || (path.step_down && !placing);
+        foot_only || cell.hints.certainly_clear(&path.global_sphere[1])
+    }
+
+    #[inline(never)]
+    fn find_env_bsp_collisions(&mut self, cell: &'w EnvCell) -> TransitionState {
         let Some(bsp) = &cell.structure.physics else {
             return TransitionState::Ok;
         };
@@ -58,6 +84,7 @@ impl<'w> Transition<'w, '_> {
     }
 
     /// A mover that is not in contact has hit its surroundings.
+    #[inline(always)]
     fn note_environment(&mut self, ts: TransitionState) -> TransitionState {
         if ts != TransitionState::Ok && !self.object.is(ObjectState::CONTACT) {
             self.info.collided_with_environment = true;

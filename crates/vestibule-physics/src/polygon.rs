@@ -21,10 +21,19 @@ pub(crate) fn polygon_hits_sphere(face: &Face, edges: &[FaceEdge], sphere: &Sphe
         return false;
     }
     let point = sphere.center - face.plane.normal * s;
-    if edges.iter().all(|e| (point - e.start).dot(e.inward) >= 0.0) {
-        return true;
-    }
-    edges_reach(edges, point, rho * rho - s * s, false)
+    is_inside(edges, point) || edges_reach(edges, point, rho * rho - s * s, false)
+}
+
+/// Whether a point of the plane is on the inner side of all edges.
+#[inline]
+fn is_inside(edges: &[FaceEdge], point: Vec3) -> bool {
+    edges.iter().all(|e| (point - e.start).dot(e.inward) >= 0.0)
+}
+
+/// Whether a sphere that is known to overlap the polygon still does with a radius smaller by `less`.
+#[inline]
+pub(crate) fn hits_deeper(face: &Face, edges: &[FaceEdge], sphere: &Sphere, less: f32) -> bool {
+    polygon_hits_sphere(face, edges, &Sphere::new(sphere.center, sphere.radius - less))
 }
 
 /// The loop over edges and corners that 6.5.1 and 6.7.1 share: whether `point` is within the square distance
@@ -113,7 +122,8 @@ pub(crate) fn check_small_walkable(face: &Face, edges: &[FaceEdge], sphere: &Sph
 #[inline]
 fn support(face: &Face, edges: &[FaceEdge], center: Vec3, reach: f32, up: Vec3) -> bool {
     match drop_onto(&face.plane, center, up) {
-        Some(point) => edges_reach(edges, point, reach, true),
+        // Inside all edges the answer is yes, corners or not.
+        Some(point) => is_inside(edges, point) || edges_reach(edges, point, reach, true),
         None => false,
     }
 }

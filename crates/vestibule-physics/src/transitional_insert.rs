@@ -92,7 +92,19 @@ impl<'w> Transition<'w, '_> {
     }
 
     /// Tests the candidate against the other cells it reaches, and finds the cell that contains it (5.3).
+    #[inline(always)]
     pub(crate) fn check_other_cells(&mut self, own: Option<CellRef<'w>>) -> TransitionState {
+        if own.is_some_and(|own| own.id() == self.path.check_pos.cell) && self.is_calm() {
+            // The own cell is the only one and contains the candidate.
+            self.build_cell_array(true);
+            self.path.check_cell = own;
+            return TransitionState::Ok;
+        }
+        self.check_any_other_cells(own)
+    }
+
+    #[inline(never)]
+    fn check_any_other_cells(&mut self, own: Option<CellRef<'w>>) -> TransitionState {
         let own = own.map(|cell| cell.id());
         // A step up below may rebuild the array; the cell found here stays.
         let new_cell = self.build_cell_array(true);

@@ -414,6 +414,11 @@ impl PhysicsBsp {
         Some(false)
     }
 
+    /// The box of open space; inside out when there is none.
+    pub(crate) fn open_box(&self) -> BoundingBox {
+        self.open
+    }
+
     /// Whether no point of the open space of [`PhysicsBsp::certainly_clear`] is in a leaf that is solid and has
     /// polygons.
     #[inline]
@@ -437,7 +442,7 @@ impl PhysicsBsp {
 }
 
 /// Smaller spheres are not said to be clear.
-const LEAST_CLEAR_RADIUS: f32 = 0.06;
+pub(crate) const LEAST_CLEAR_RADIUS: f32 = 0.06;
 
 /// The piece of a polygon in front of a plane.
 fn clipped(polygon: &[Vec3], plane: &Plane) -> Vec<Vec3> {
@@ -458,7 +463,7 @@ fn clipped(polygon: &[Vec3], plane: &Plane) -> Vec<Vec3> {
 }
 
 /// A box that holds nothing.
-const NO_BOX: BoundingBox = BoundingBox {
+pub(crate) const NO_BOX: BoundingBox = BoundingBox {
     min: Vec3::INFINITY,
     max: Vec3::NEG_INFINITY,
 };
