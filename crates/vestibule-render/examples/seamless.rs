@@ -24,22 +24,37 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let poses: usize = arguments.next().map_or(Ok(2000), |a| a.parse())?;
     let mut names: Vec<String> = arguments.collect();
     if names.is_empty() {
-        names = ["dungeon-1", "dungeon-2", "maze-1", "gallery-1", "cottage-1"].map(str::to_owned).into();
+        names = ["dungeon-1", "maze-1", "gallery-1", "hollow", "hollow-deep"].map(str::to_owned).into();
     }
     let mut out = std::io::stdout().lock();
     for name in names {
-        let stage = match name.split_once(':') {
+        let mut names = std::collections::BTreeMap::new();
+        let stage = if let Some(block) = [("hollow", 0xA9B4), ("hollow-deep", 0x0107)]
+            .iter()
+            .find_map(|(n, b)| (*n == name).then_some(*b))
+        {
+            let (stage, found) = Stage::hollow(block);
+            names = found;
+            Some(stage)
+        } else {
+            match name.split_once(':') {
             Some((folder, block)) => {
                 let block = u16::from_str_radix(block.trim_start_matches("0x"), 16)?;
                 let world = World::open(vestibule_dat::DatSet::open(folder)?)?;
                 Some(Stage::new(world, BlockId(block)))
             }
             None => Stage::vectors(&name),
+            }
         };
         let Some(mut stage) = stage else { continue };
         let sealed = stage.world.block(stage.block).is_some_and(|b| b.buildings.is_empty());
+        let mine = |id: CellId| names.get(&id).is_some_and(|n| n.contains("mine"));
         if sealed {
-            against_everything(&mut stage, &name, poses, &mut out)?;
+            let rooms = Rooms::new(&stage);
+            against_everything(&mut stage, &rooms, &name, poses, &mut out)?;
+        } else if names.values().any(|n| n.contains("mine")) {
+            let rooms = Rooms::only(&stage, mine);
+            against_everything(&mut stage, &rooms, &format!("{name}, mine"), poses, &mut out)?;
         }
         against_rays(&mut stage, &name, poses, &mut out)?;
         writeln!(out, "{name}: assets {:?}", stage.assets.counters())?;
@@ -49,11 +64,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 fn against_everything(
     stage: &mut Stage,
+    rooms: &Rooms,
     name: &str,
     poses: usize,
     out: &mut impl std::io::Write,
 ) -> std::io::Result<()> {
-    let rooms = Rooms::new(stage);
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let mut total = Difference::default();
     let mut worst = 0;

@@ -58,6 +58,13 @@ impl Structures {
 }
 
 impl PlacedSite<'_> {
+    /// Where a building stands on the map and how far its shell reaches from there, metres.
+    pub(crate) fn footprint(&self) -> Option<(DVec2, f64)> {
+        let points = self.cells.shell.iter().flat_map(|f| &f.polygon.points);
+        let reach = points.map(|p| p.truncate().length()).fold(0.0, f64::max);
+        (self.def.kind == Kind::Building).then(|| (self.on_map.origin.truncate(), reach))
+    }
+
     fn id(&self, cell: usize) -> u32 {
         u32::from(self.block.0) << 16 | u32::from(self.ids[cell])
     }

@@ -134,6 +134,7 @@ pub(crate) fn build_cell(cell: &Cell, room: &RoomDef, sizes: &[f64]) -> Result<B
     polygons.extend(mesh.plain(portals.iter(), first));
     let portal_polygons: Vec<u16> = (0..portals.len()).map(|k| (first + k) as u16).collect();
     let physics_polygons = mesh.plain(physics.pieces.iter().map(|p| &p.polygon), 0);
+    mesh.check()?;
     let structure = CellStruct {
         id: 0,
         vertices: mesh.vertices,
@@ -233,6 +234,7 @@ impl ModelParts {
                 bsp: built.tree,
             });
         }
+        mesh.check()?;
         let sort_center = drawing.tree.bounding_sphere().center;
         let form = CompressedForm::shortest(polygons.len() as u32);
         let surfaces: Vec<u32> = mesh.surfaces.iter().map(|m| surface_ids[*m]).collect();

@@ -381,6 +381,7 @@ impl Compiler<'_> {
             .iter()
             .map(|object| (object.place.at, object.model, object.place.resolve(ground)))
             .collect();
+        let sites: Vec<(DVec2, f64)> = self.sites.iter().filter_map(PlacedSite::footprint).collect();
         for scatter in &self.scene.scatters {
             let mut placed = 0;
             // Each try has its own numbers, so that the count only adds or removes at the end.
@@ -390,7 +391,7 @@ impl Compiler<'_> {
                 }
                 let [u, v, turn] = [0, 1, 2].map(|n| hash01(k * 3 + n, scatter.seed));
                 let at = scatter.low + (scatter.high - scatter.low) * DVec2::new(u, v);
-                if self.is_free(at, scatter.clear, scatter.on) {
+                if self.is_free(at, &sites, scatter.clear, scatter.on) {
                     let rotation = scene::turned(turn * 360.0);
                     // A little sunk, so that slopes do not show under it.
                     let origin = at.extend(ground(at) - 0.05);
@@ -402,20 +403,14 @@ impl Compiler<'_> {
         out
     }
 
-    fn is_free(&self, at: DVec2, clear: f64, on: Option<u8>) -> bool {
+    fn is_free(&self, at: DVec2, sites: &[(DVec2, f64)], clear: f64, on: Option<u8>) -> bool {
         let Some((kind, road)) = self.land.kind_at(at).filter(|_| self.land.contains(at)) else {
             return false;
         };
         let water = (16..=20).contains(&kind);
-        let near_site = self
-            .sites
+        let near_site = sites
             .iter()
-            .filter(|s| s.def.kind == Kind::Building)
-            .any(|site| {
-                let points = site.cells.shell.iter().flat_map(|f| &f.polygon.points);
-                let reach = points.map(|p| p.truncate().length()).fold(0.0, f64::max);
-                site.on_map.origin.truncate().distance(at) < reach + clear
-            });
+            .any(|(center, reach)| center.distance(at) < reach + clear);
         let slope =
             [DVec2::X, DVec2::Y].map(|d| (self.land.ground(at + d) - self.land.ground(at - d)).abs() / 2.0);
         !water && !road && !near_site && slope[0] + slope[1] < 0.9 && on.is_none_or(|k| k == kind)

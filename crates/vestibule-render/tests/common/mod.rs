@@ -36,6 +36,13 @@ impl Stage {
         }
     }
 
+    /// The built-in world, with the names of its cells.
+    pub fn hollow(block: u16) -> (Self, std::collections::BTreeMap<CellId, String>) {
+        let compiled = vestibule_forge::embedded_world().unwrap();
+        let world = World::open(compiled.memory_records()).unwrap();
+        (Stage::new(world, BlockId(block)), compiled.cell_names)
+    }
+
     /// A world of the test vectors; `None`, with a notice, where they are absent.
     pub fn vectors(name: &str) -> Option<Self> {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors/worlds/").to_owned() + name;
@@ -183,6 +190,19 @@ impl Rooms {
         Rooms { cells, solids, clearance: 0.16 }
     }
 
+    /// Only these rooms.
+    pub fn only(stage: &Stage, keep: impl Fn(CellId) -> bool) -> Self {
+        let mut rooms = Rooms::new(stage);
+        let (cells, solids) = rooms
+            .cells
+            .iter()
+            .zip(rooms.solids)
+            .filter(|(id, _)| keep(**id))
+            .unzip();
+        (rooms.cells, rooms.solids) = (cells, solids);
+        rooms
+    }
+
     /// An eye anywhere in a room, clear of walls and furniture of the room and of its neighbours; now and then right
     /// before or behind an opening.
     pub fn eye(&self, stage: &Stage, random: &mut Random) -> (CellId, Vec3) {
@@ -190,7 +210,7 @@ impl Rooms {
             let at = random.below(self.cells.len());
             let id = self.cells[at];
             let cell = stage.world.env_cell(id).unwrap();
-            let eye = if random.below(8) == 0 {
+            let eye = if random.below(8) == 0 && !cell.portals.is_empty() {
                 let portal = &cell.portals[random.below(cell.portals.len())];
                 let corners = cell.portal_vertices(portal);
                 let mut weights: Vec<f32> = corners.iter().map(|_| random.unit()).collect();
