@@ -20,6 +20,8 @@ mod object_info;
 mod placement;
 mod polygon;
 mod population;
+#[cfg(test)]
+mod rig;
 mod set_position;
 mod settings;
 mod slide_sphere;
@@ -32,6 +34,8 @@ mod transitional_insert;
 mod update;
 mod validate_transition;
 mod viewer;
+#[cfg(test)]
+mod worked_examples;
 pub mod workload;
 
 pub use body::{Body, root_motion};
