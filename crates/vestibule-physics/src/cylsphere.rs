@@ -236,7 +236,7 @@ impl Transition<'_, '_> {
             let t = side_time();
             (t, side_normal(t))
         };
-        if t < 0.0 || t > 1.0 {
+        if !(0.0..=1.0).contains(&t) {
             return TransitionState::Collided;
         }
         let offset = curr + m * t - sphere.center;

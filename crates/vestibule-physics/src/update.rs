@@ -162,7 +162,7 @@ impl Population {
         if moved.abs().max_element() < EPSILON {
             body.set_frame(Frame::new(old.frame.origin, frame.rotation()));
             body.cached_velocity = glam::Vec3::ZERO;
-            self.move_children_of(id, scratch);
+            self.move_children_of(id);
             return Ok(());
         }
         if body.state.has(PhysicsState::ALIGNPATH) {
@@ -184,14 +184,14 @@ impl Population {
         } else {
             body.set_frame(Frame::new(old.frame.origin, frame.rotation()));
             body.cached_velocity = glam::Vec3::ZERO;
-            self.move_children_of(id, scratch);
+            self.move_children_of(id);
         }
         Ok(())
     }
 
-    fn move_children_of(&mut self, id: BodyId, scratch: &mut Scratch) {
+    fn move_children_of(&mut self, id: BodyId) {
         if self.body(id).is_some_and(|body| !body.children.is_empty()) {
-            self.move_children(id, scratch);
+            self.move_children(id);
         }
     }
 
