@@ -45,10 +45,10 @@ impl<'w> Transition<'w, '_> {
 
     #[inline(always)]
     fn find_env_cell_collisions(&mut self, cell: &'w EnvCell) -> TransitionState {
-        if let Some(object) = cell.restriction {
-            if !self.may_enter(cell.id, object) {
-                return TransitionState::Collided;
-            }
+        if let Some(object) = cell.restriction
+            && !self.may_enter(cell.id, object)
+        {
+            return TransitionState::Collided;
         }
         self.path.obstruction_ethereal = false;
         if self.is_in_open_space(cell) {
@@ -125,11 +125,11 @@ impl<'w> Transition<'w, '_> {
         cell: &LandCell,
         block: &Landblock,
     ) -> TransitionState {
-        if let Some(object) = cell.restriction {
-            if !self.may_enter(id, object) {
-                self.handle_move_restriction(id);
-                return TransitionState::Collided;
-            }
+        if let Some(object) = cell.restriction
+            && !self.may_enter(id, object)
+        {
+            self.handle_move_restriction(id);
+            return TransitionState::Collided;
         }
         let offset = self.blk(self.path.check_pos.cell, id);
         let low = self.path.global_low_point - offset;

@@ -172,7 +172,7 @@ impl Population {
         if moved.abs().max_element() < EPSILON {
             body.set_frame(Frame::new(old.frame.origin, frame.rotation()));
             body.cached_velocity = glam::Vec3::ZERO;
-            self.move_children_of(id, scratch);
+            self.move_children_of(id);
             return Ok(None);
         }
         if body.state.has(PhysicsState::ALIGNPATH) {
@@ -207,7 +207,7 @@ impl Population {
         } else {
             body.set_frame(Frame::new(from.frame.origin, to.frame.rotation()));
             body.cached_velocity = glam::Vec3::ZERO;
-            self.move_children_of(id, scratch);
+            self.move_children_of(id);
         }
     }
 
@@ -262,9 +262,9 @@ impl Population {
         Ok(Some(elapsed))
     }
 
-    fn move_children_of(&mut self, id: BodyId, scratch: &mut Scratch) {
+    fn move_children_of(&mut self, id: BodyId) {
         if self.body(id).is_some_and(|body| !body.children.is_empty()) {
-            self.move_children(id, scratch);
+            self.move_children(id);
         }
     }
 
