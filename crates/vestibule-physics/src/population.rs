@@ -231,6 +231,12 @@ impl Population {
         self.slots.len() - self.free.len()
     }
 
+    /// Whether there may be a body.
+    #[inline(always)]
+    pub(crate) fn has_bodies(&self) -> bool {
+        !self.slots.is_empty()
+    }
+
     /// Whether there is no body.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use vestibule_view::Camera;
 
 use crate::land::LandMesh;
-use crate::lighting::{Lamp, LightLevels, clamp01, shell_light};
+use crate::lighting::{Lamp, LightLevels, clamp01, shell_light, soft};
 use crate::material::{Blend, DrawList, Material};
 use crate::mesh::Mesh;
 use crate::place::{EyeFrame, Placed};
@@ -212,7 +212,15 @@ impl Painter {
     #[inline]
     fn light_at(&self, material: &Material, light: MeshLight<'_>, place: Vec3, normal: Vec3) -> Vec3 {
         let own = Vec3::splat(material.luminosity);
-        let lit = |light: Vec3| clamp01(own + light * material.diffuse);
+        let indoors = matches!(light, MeshLight::Shell { .. } | MeshLight::Indoor { .. });
+        let finish = |c: Vec3| {
+            if indoors && self.settings.light == LightDetail::PerPixel {
+                soft(c)
+            } else {
+                clamp01(c)
+            }
+        };
+        let lit = |light: Vec3| finish(own + light * material.diffuse);
         match light {
             MeshLight::Sun => {
                 let facing = normal.dot(self.sun);
@@ -224,7 +232,7 @@ impl Painter {
                 if let Some(viewer) = viewer {
                     dynamic += viewer.on_object(place, normal);
                 }
-                clamp01(own + shell_light(lamps, place, normal) + dynamic * material.diffuse)
+                finish(own + shell_light(lamps, place, normal) + dynamic * material.diffuse)
             }
             MeshLight::Indoor { lamps, viewer } => {
                 let mut sum = self.levels.indoors;

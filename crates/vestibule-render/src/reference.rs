@@ -180,6 +180,19 @@ fn paint(
             .map(|f| overlapping_cells(scene.world, &f))
             .collect();
     }
+    if settings.only_behind_exits && frame.interior().is_some() {
+        for command in commands {
+            if let Command::Seal {
+                polygon,
+                depth: SealDepth::True,
+                ..
+            } = *command
+            {
+                let points = run.seen(frame.polygon(polygon));
+                run.painter.buffers.limit_behind(&points);
+            }
+        }
+    }
     for command in commands {
         run.command(frame, command);
     }
@@ -287,6 +300,7 @@ impl<'a> Run<'a> {
             Command::NextStamp => {}
             Command::ClearDepth => {
                 self.painter.buffers.clear_depth();
+                self.painter.buffers.no_limit();
                 self.close_cracks(true);
             }
             Command::Weather => self.sky_things(true),

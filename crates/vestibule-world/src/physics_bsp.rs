@@ -414,6 +414,25 @@ impl PhysicsBsp {
         Some(false)
     }
 
+    /// Whether a point is certainly not in a leaf that is solid and has polygons.
+    #[inline]
+    pub fn is_certainly_hollow_at(&self, p: Vec3) -> bool {
+        let inset = LEAST_CLEAR_RADIUS - 0.01;
+        let BoundingBox { min, max } = &self.open;
+        self.open_is_hollow
+            && p.x - inset > min.x
+            && p.x + inset < max.x
+            && p.y - inset > min.y
+            && p.y + inset < max.y
+            && p.z - inset > min.z
+            && p.z + inset < max.z
+    }
+
+    /// The box of open space; inside out when there is none.
+    pub(crate) fn open_box(&self) -> BoundingBox {
+        self.open
+    }
+
     /// Whether no point of the open space of [`PhysicsBsp::certainly_clear`] is in a leaf that is solid and has
     /// polygons.
     #[inline]
@@ -437,7 +456,7 @@ impl PhysicsBsp {
 }
 
 /// Smaller spheres are not said to be clear.
-const LEAST_CLEAR_RADIUS: f32 = 0.06;
+pub(crate) const LEAST_CLEAR_RADIUS: f32 = 0.06;
 
 /// The piece of a polygon in front of a plane.
 fn clipped(polygon: &[Vec3], plane: &Plane) -> Vec<Vec3> {
@@ -458,7 +477,7 @@ fn clipped(polygon: &[Vec3], plane: &Plane) -> Vec<Vec3> {
 }
 
 /// A box that holds nothing.
-const NO_BOX: BoundingBox = BoundingBox {
+pub(crate) const NO_BOX: BoundingBox = BoundingBox {
     min: Vec3::INFINITY,
     max: Vec3::NEG_INFINITY,
 };

@@ -76,12 +76,9 @@ fn mutated_records_of_every_type_parse_or_fail_cleanly() {
 
 #[test]
 fn mutated_containers_can_be_read_and_edited() {
-    let folder = tempfile::tempdir().expect("a temporary folder can be made");
-    let world = vestibule::forge::compile_scene("room.scene", include_str!("room.scene")).expect("the scene compiles");
-    world.write_to(folder.path()).expect("the files can be written");
     let mut draws = Draws(4_242);
-    for file in ["client_portal.dat", "client_cell_1.dat"] {
-        let bytes = std::fs::read(folder.path().join(file)).expect("the files of the scene");
+    let (portal, cell) = hostile::embedded_files();
+    for bytes in [portal, cell] {
         for round in 0..150 {
             let mut mutated = bytes.clone();
             for _ in 0..1 + draws.below(6) {

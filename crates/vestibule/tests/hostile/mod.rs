@@ -5,7 +5,9 @@
 use glam::{Quat, Vec2, Vec3};
 use vestibule::conform::Case;
 use vestibule_dat::record::{Record, lint};
-use vestibule_dat::{DatEditor, DatFile, DatSet, EditOptions, Limits, RecordKind, WriteOptions};
+use vestibule_dat::{
+    DatBuilder, DatEditor, DatFile, DatKind, DatSet, EditOptions, Header, Limits, RecordKind, WriteOptions,
+};
 use vestibule_physics::{
     Body, Carried, Motion, Mover, Placement, Population, Scratch, SetPositionFlags, place, sweep,
 };
@@ -87,6 +89,19 @@ pub(crate) fn text(bytes: &[u8]) {
         assert_eq!(id.to_string().parse(), Ok(id));
     }
     let _ = serde_json::from_str::<Case>(text);
+}
+
+/// The bytes of the portal and the cell file of the built-in world.
+pub(crate) fn embedded_files() -> (Vec<u8>, Vec<u8>) {
+    let dats = vestibule::open_dats(None).expect("the embedded world opens");
+    let bytes = |kind: DatKind, file: &DatFile| {
+        let mut out = DatBuilder::new(kind.file_name(), Vec::new(), Header::new(kind))?;
+        out.without_iteration_record();
+        out.push_all(file)?;
+        out.finish()
+    };
+    let portal = bytes(DatKind::Portal, dats.portal()).expect("a portal file");
+    (portal, bytes(DatKind::Cell, dats.cell()).expect("a cell file"))
 }
 
 /// All records of a pair of files.

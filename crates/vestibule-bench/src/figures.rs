@@ -1,0 +1,1 @@
+//! Measurements of a world of retail size.
