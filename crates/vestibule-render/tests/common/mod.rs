@@ -219,6 +219,12 @@ impl Rooms {
         rooms
     }
 
+    /// Whether a point is this far from everything drawn in a room.
+    pub fn is_clear(&self, id: CellId, eye: Vec3, clearance: f32) -> bool {
+        let own = self.all.iter().position(|&c| c == id).map_or(&[][..], |k| &self.solids[k]);
+        own.iter().all(|t| distance(eye, *t) >= clearance)
+    }
+
     /// An eye anywhere in a room, clear of walls and furniture of the room and of its neighbours; now and then right
     /// before or behind an opening.
     pub fn eye(&self, stage: &Stage, random: &mut Random) -> (CellId, Vec3) {
