@@ -213,7 +213,12 @@ impl Population {
 
     /// Begins a step to the time `now` whose sweep is made elsewhere: the body's own motion is integrated.
     /// `None` when there is nothing to sweep.
-    pub(crate) fn begin_update(&mut self, scratch: &mut Scratch, id: BodyId, now: f64) -> Result<Option<Motive>, SweepError> {
+    pub(crate) fn begin_update(
+        &mut self,
+        scratch: &mut Scratch,
+        id: BodyId,
+        now: f64,
+    ) -> Result<Option<Motive>, SweepError> {
         let Some(elapsed) = self.elapsed(id, now)? else {
             return Ok(None);
         };
