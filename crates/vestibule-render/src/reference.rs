@@ -49,7 +49,9 @@ impl IdImage {
         if x >= self.width {
             return None;
         }
-        self.ids.get(y as usize * self.width as usize + x as usize).copied()
+        self.ids
+            .get(y as usize * self.width as usize + x as usize)
+            .copied()
     }
 
     /// How many pixels show this kind of thing.
@@ -168,7 +170,9 @@ fn paint(
     let day = scene.daylight();
     let sealed = frame.path() == FramePath::Sealed;
     let clear = if sealed { Vec3::ZERO } else { day.horizon } * 255.0;
-    buffers.color.fill([clear.x as u8, clear.y as u8, clear.z as u8, 255]);
+    buffers
+        .color
+        .fill([clear.x as u8, clear.y as u8, clear.z as u8, 255]);
     let painter = Painter::new(mode, *settings, camera, buffers, day, sealed);
     let mut run = Run::new(scene, camera, painter);
     // Until there is a landscape, everything is the viewer's own rooms.
@@ -438,8 +442,7 @@ impl<'a> Run<'a> {
             cell: building.cell.0,
             item: None,
         };
-        self.painter
-            .mesh(&mesh, &placed, owner, MeshLight::Sun, 1.0, &[]);
+        self.painter.mesh(&mesh, &placed, owner, MeshLight::Sun, 1.0, &[]);
     }
 
     fn seen_lamps(&self, cell: &EnvCell) -> Vec<Lamp> {
@@ -532,10 +535,7 @@ impl<'a> Run<'a> {
                 continue;
             };
             drawn = true;
-            let placed = self
-                .painter
-                .eye
-                .place(block, frame, part.scale * body.scale());
+            let placed = self.painter.eye.place(block, frame, part.scale * body.scale());
             self.lit_object(&mesh, &placed, owner, cell, opacity, confine);
         }
         if !drawn {
