@@ -620,7 +620,7 @@ mod tests {
     /// Apex and number of quanta until the start height is reached again.
     fn jump_from(forward: f32) -> (f32, u32) {
         let mut body = falling();
-        body.velocity = Vec3::new(0.0, forward, 4.427_188_7);
+        body.velocity = Vec3::new(0.0, forward, 4.427_189);
         let (mut z, mut apex, mut quanta) = (0.0f32, 0.0f32, 0);
         while z > 0.0 || quanta == 0 {
             z += step(&mut body, 1.0 / 30.0).z;

@@ -50,6 +50,10 @@ impl Iterator for Quanta {
 
 /// What a body is to do in a step of a [`crate::Simulation`].
 #[derive(Clone, Copy, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "made and used at once, never stored in bulk"
+)]
 pub(crate) enum Motive {
     /// To sweep, after its own motion over `q` seconds.
     Sweep { from: Position, to: Position, q: f32 },
@@ -141,7 +145,7 @@ impl Population {
     /// where from and where to.
     fn integrate(
         &mut self,
-        scratch: &mut Scratch,
+        _scratch: &mut Scratch,
         id: BodyId,
         q: f32,
         motion: &impl Fn(&crate::body::Body, f32) -> Frame,

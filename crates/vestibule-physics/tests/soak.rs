@@ -154,7 +154,7 @@ fn bad_input_is_refused_or_answers_lost() {
         let far = go(&player, at, at.origin() + direction * 1e30);
         assert!(matches!(far, Err(SweepError::TooManySteps { .. })), "{far:?}");
     }
-    assert!(matches!(go(&player, at, Vec3::splat(f32::MAX)), Err(_)));
+    assert!(go(&player, at, Vec3::splat(f32::MAX)).is_err());
     // No radius at all.
     let point = Mover::new(&[vestibule_world::Sphere::new(Vec3::new(0.0, 0.0, 0.5), 0.0)]).unwrap();
     let swept = go(&point, at, at.origin() + Vec3::new(1.0, 0.0, 0.0)).unwrap();

@@ -62,10 +62,10 @@ impl Image {
 
     /// Sets a pixel; outside the picture nothing happens.
     pub fn set(&mut self, x: u32, y: u32, color: [u8; 4]) {
-        if x < self.width {
-            if let Some(p) = self.pixels.get_mut(y as usize * self.width as usize + x as usize) {
-                *p = color;
-            }
+        if x < self.width
+            && let Some(p) = self.pixels.get_mut(y as usize * self.width as usize + x as usize)
+        {
+            *p = color;
         }
     }
 

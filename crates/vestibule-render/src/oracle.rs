@@ -372,10 +372,11 @@ impl Bunch {
             return;
         }
         for t in &self.triangles {
-            if let Some(dist) = t.hit(eye, d) {
-                if dist > from && best.is_none_or(|(b, _)| dist < b) {
-                    *best = Some((dist, t.id));
-                }
+            if let Some(dist) = t.hit(eye, d)
+                && dist > from
+                && best.is_none_or(|(b, _)| dist < b)
+            {
+                *best = Some((dist, t.id));
             }
         }
     }

@@ -419,7 +419,7 @@ fn r10_d7_floors_at_ground_height_win() {
     };
     let (mut lost, mut fought) = (0, 0);
     for _ in 0..100 {
-        let turn = random.between(0.0, 6.28);
+        let turn = random.between(0.0, core::f32::consts::TAU);
         let reach = random.between(8.0, 40.0);
         let (s, c) = libm::sincosf(turn);
         let eye = Vec3::new(

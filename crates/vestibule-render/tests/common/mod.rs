@@ -471,11 +471,11 @@ pub fn mixed_camera(stage: &Stage, rooms: &Rooms, random: &mut Random, size: (u3
         rooms.eye(stage, random)
     };
     let mut forward = random.direction();
-    if !cell.is_indoor() {
-        if let Some(house) = buildings.get(random.below(buildings.len())) {
-            let gap = house.frame.origin + Vec3::Z * 1.5 - eye;
-            forward = (gap.normalize_or_zero() + forward * 0.3).normalize_or_zero();
-        }
+    if !cell.is_indoor()
+        && let Some(house) = buildings.get(random.below(buildings.len()))
+    {
+        let gap = house.frame.origin + Vec3::Z * 1.5 - eye;
+        forward = (gap.normalize_or_zero() + forward * 0.3).normalize_or_zero();
     }
     camera(cell, eye, forward, size, 1.2)
 }
