@@ -174,7 +174,7 @@ fn step_down_to(h: f32) -> Option<f32> {
     t.path.walkable_allowance = crate::constants::FLOOR_Z;
     let _ = &mut ts;
     let found = t.step_down(0.75, crate::constants::FLOOR_Z) || t.step_down(0.75, crate::constants::FLOOR_Z);
-    found.then(|| t.path.check_pos.origin.z - 10.0)
+    found.then_some(t.path.check_pos.origin.z - 10.0)
 }
 
 #[test]
@@ -729,7 +729,6 @@ fn meets(kind: ObjectKind, state: PhysicsState, mover: ObjectKind) -> (Transitio
     t.info.set_collision_normal(Vec3::Y);
     let ts = t.find_object_collisions(&target);
     let collision = t.info.collision.valid;
-    drop(target);
     (ts, t.touched.len(), collision)
 }
 
