@@ -97,7 +97,7 @@ impl fmt::Display for Error {
                 write!(f, " of the record")?;
             }
         }
-        write!(f, " of {}", self.0.file)
+        write!(f, " in {}", self.0.file)
     }
 }
 

@@ -3,6 +3,9 @@
 //! - [`DatSet`] opens an installation's folder and finds records in the right file.
 //! - [`DatFile`] is one file open for reading: look up, iterate, query ranges of ids. Opening does not scan; records that lie in
 //!   one block are borrowed from the file.
+//! - [`DatBuilder`] writes a whole file in canonical form and puts it in place of an old one; [`compact`] does that with a file's
+//!   own records. [`DatEditor`] inserts, replaces and deletes in place. Either leaves the file wholly old or wholly new,
+//!   whenever it is stopped. [`DatFile::verify`] checks a file from end to end.
 //! - [`RecordKind`] tells a record's type by its id; [`record`] has every type with `parse` and `encode`, and lint.
 //!   [`DatSet::cell_record`] and [`DatSet::asset_record`] read and parse in one call.
 //! - [`primitive`] has the small values records are made of, and cursors to take apart what this crate does not know.

@@ -1,5 +1,7 @@
 //! The camera: an eye in a cell, the directions it looks and the screen (`rendering.md` 2.5-2.6).
 
+use core::cmp::Ordering;
+
 use glam::{Quat, Vec2, Vec3};
 use vestibule_world::ids::block_offset;
 use vestibule_world::{BlockId, CellId, Frame};
@@ -176,7 +178,7 @@ impl Camera {
     #[inline]
     pub fn project(&self, v: Vec3) -> Option<Vec2> {
         let c = self.to_camera(v);
-        if !(c.y > 0.0) {
+        if c.y.partial_cmp(&0.0) != Some(Ordering::Greater) {
             return None;
         }
         let x = c.x / (c.y * self.slopes.x);

@@ -179,6 +179,12 @@ impl FloodArena {
             .map(|&record| Flood { arena: self, record })
     }
 
+    /// The last result; an empty one when there is none.
+    pub(crate) fn last(&self) -> Flood<'_> {
+        let record = self.floods.last().copied().unwrap_or_default();
+        Flood { arena: self, record }
+    }
+
     /// All results in order.
     pub fn iter(&self) -> impl Iterator<Item = Flood<'_>> {
         self.floods.iter().map(|&record| Flood { arena: self, record })

@@ -52,7 +52,6 @@ pub(crate) struct Room {
     pub(crate) portal_count: u32,
     /// Rooms of the stab list that are loaded, ascending.
     pub(crate) stabs: Box<[u32]>,
-    pub(crate) seen_outside: bool,
 }
 
 /// A convex piece of an opening; landblock frame, counter-clockwise from the plane's positive side.
@@ -84,7 +83,6 @@ pub(crate) struct Door {
 /// A compiled building: its doors.
 #[derive(Clone, Debug)]
 pub(crate) struct House {
-    pub(crate) cell: CellId,
     pub(crate) frame: Frame,
     pub(crate) first_door: u32,
     pub(crate) door_count: u32,
@@ -121,8 +119,6 @@ pub struct RoomSpec {
     pub portals: Vec<PortalSpec>,
     /// Rooms that may be seen from here.
     pub stab_list: Vec<CellId>,
-    /// Whether the landscape may be seen from here.
-    pub seen_outside: bool,
 }
 
 /// A portal of a [`RoomSpec`].
@@ -138,6 +134,30 @@ pub struct PortalSpec {
     pub interior_is_negative: bool,
     /// The matching polygon is the same, so that one clip is enough.
     pub exact_match: bool,
+}
+
+/// A building given by hand: its openings to the landscape.
+#[derive(Clone, Debug)]
+pub struct HouseSpec {
+    /// Building-local to landblock frame.
+    pub frame: Frame,
+    /// Its doors.
+    pub doors: Vec<DoorSpec>,
+}
+
+/// An opening of a [`HouseSpec`].
+#[derive(Clone, Debug)]
+pub struct DoorSpec {
+    /// The room behind it.
+    pub target: CellId,
+    /// The matching portal of that room.
+    pub other_portal: Option<u16>,
+    /// The polygon, building-local metres, counter-clockwise seen from its positive side.
+    pub vertices: Vec<Vec3>,
+    /// A viewer looks in from the polygon's negative side (retail `portal_side` 1).
+    pub interior_is_negative: bool,
+    /// Rooms that may be seen through it.
+    pub stab_list: Vec<CellId>,
 }
 
 /// The openings of one landblock, compiled. Coordinates are metres in the landblock's frame.
@@ -191,7 +211,7 @@ impl BlockOpenings {
             if room.id.block() != block || !room.id.is_env_cell() || out.room_of(room.id).is_some() {
                 continue;
             }
-            out.begin_room(room.id, room.frame, room.bsp.clone(), room.seen_outside);
+            out.begin_room(room.id, room.frame, room.bsp.clone());
             for (index, portal) in (0u16..).zip(&room.portals) {
                 let plane = Plane::of_polygon(&portal.vertices);
                 out.add_portal(PortalInput {
@@ -288,7 +308,7 @@ impl BlockOpenings {
         &self.vertices[p.first as usize..(p.first + p.count) as usize]
     }
 
-    fn begin_room(&mut self, id: CellId, frame: Frame, bsp: CellBsp, seen_outside: bool) {
+    fn begin_room(&mut self, id: CellId, frame: Frame, bsp: CellBsp) {
         if let Some(slot) = self.slots.get_mut(usize::from(id.low() - FIRST_ENV_CELL)) {
             *slot = self.rooms.len() as u32;
         }
@@ -299,17 +319,11 @@ impl BlockOpenings {
             first_portal: self.portals.len() as u32,
             portal_count: 0,
             stabs: Box::default(),
-            seen_outside,
         });
     }
 
     fn add_env_cell(&mut self, cell: &EnvCell, links: &mut Vec<(PortalTarget, Option<u16>)>) {
-        self.begin_room(
-            cell.id,
-            cell.frame,
-            cell.structure.cell_bsp.clone(),
-            cell.seen_outside,
-        );
+        self.begin_room(cell.id, cell.frame, cell.structure.cell_bsp.clone());
         for portal in &cell.portals {
             self.add_portal(PortalInput {
                 plane: portal.plane,
@@ -407,9 +421,77 @@ impl BlockOpenings {
         out.into()
     }
 
+    /// Adds buildings given by hand, after those there are. A door to a room that is not there stays dead.
+    #[must_use]
+    pub fn with_houses(mut self, houses: &[HouseSpec]) -> Self {
+        for spec in houses {
+            let first_door = self.doors.len() as u32;
+            for (portal, door) in (0u16..).zip(&spec.doors) {
+                let plane = Plane::of_polygon(&door.vertices);
+                self.add_door(
+                    &spec.frame,
+                    portal,
+                    door.target,
+                    door.other_portal,
+                    &plane,
+                    &door.vertices,
+                    door.interior_is_negative,
+                    &door.stab_list,
+                );
+            }
+            self.houses.push(House {
+                frame: spec.frame,
+                first_door,
+                door_count: self.doors.len() as u32 - first_door,
+                mismatched: false,
+            });
+        }
+        self
+    }
+
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the fields of a door, from two kinds of sources"
+    )]
+    fn add_door(
+        &mut self,
+        frame: &Frame,
+        portal: u16,
+        target_id: CellId,
+        other_portal: Option<u16>,
+        plane: &Plane,
+        vertices: &[Vec3],
+        interior_is_negative: bool,
+        stab_list: &[CellId],
+    ) {
+        let (first_piece, piece_count) = self.add_pieces(vertices, plane, frame);
+        let target = self.room_of(target_id).map_or(Target::Missing, Target::Room);
+        let other_portal = match target {
+            Target::Room(room) => self.portal_of(room, other_portal),
+            _ => NONE,
+        };
+        let mut middle = Vec3::ZERO;
+        for v in vertices {
+            middle += *v / vertices.len() as f32;
+        }
+        let stabs = self.resolve_stabs(stab_list);
+        self.doors.push(Door {
+            portal,
+            target,
+            target_id,
+            other_portal,
+            plane: *plane,
+            interior_is_negative,
+            on_block_border: on_block_border(vertices),
+            first_piece,
+            piece_count,
+            middle: frame.local_to_global(middle),
+            stabs,
+        });
+    }
+
     fn add_building(&mut self, building: &Building) {
         let mut house = House {
-            cell: building.cell,
             frame: building.part_frames.first().copied().unwrap_or(building.frame),
             first_door: self.doors.len() as u32,
             door_count: 0,
@@ -417,40 +499,27 @@ impl BlockOpenings {
         };
         let model = building.shape.parts.first().and_then(|p| p.model.as_ref());
         let apertures = model.map_or(&[][..], |m| &m.apertures);
+        // A building without portals matches an empty list.
         let matched = apertures.len() == building.portals.len()
             && apertures.iter().zip(0u16..).all(|(a, index)| a.portal == index);
         // Without the shell's model neither shell nor interior is drawn (`rendering.md` 6.5).
-        house.mismatched = !matched && !(building.portals.is_empty() && apertures.is_empty());
+        house.mismatched = !matched;
         self.problems.mismatched_buildings += u32::from(house.mismatched);
         if let (Some(model), true) = (model, matched) {
             for (aperture, portal) in apertures.iter().zip(&building.portals) {
                 let polygon = model.polygons.get(aperture.polygon as usize);
                 let vertices = polygon.map_or(&[][..], |p| model.polygons.vertices(p));
                 let plane = polygon.map(|p| p.plane).unwrap_or_default();
-                let (first_piece, piece_count) = self.add_pieces(vertices, &plane, &house.frame);
-                let target = self.room_of(portal.other).map_or(Target::Missing, Target::Room);
-                let other_portal = match target {
-                    Target::Room(room) => self.portal_of(room, portal.other_portal),
-                    _ => NONE,
-                };
-                let mut middle = Vec3::ZERO;
-                for v in vertices {
-                    middle += *v / vertices.len() as f32;
-                }
-                let stabs = self.resolve_stabs(&portal.stab_list);
-                self.doors.push(Door {
-                    portal: aperture.portal,
-                    target,
-                    target_id: portal.other,
-                    other_portal,
-                    plane,
-                    interior_is_negative: portal.interior_is_negative,
-                    on_block_border: on_block_border(vertices),
-                    first_piece,
-                    piece_count,
-                    middle: house.frame.local_to_global(middle),
-                    stabs,
-                });
+                self.add_door(
+                    &house.frame,
+                    aperture.portal,
+                    portal.other,
+                    portal.other_portal,
+                    &plane,
+                    vertices,
+                    portal.interior_is_negative,
+                    &portal.stab_list,
+                );
             }
             house.door_count = self.doors.len() as u32 - house.first_door;
         }

@@ -246,12 +246,7 @@ impl PView {
         results.clear();
         self.flood_from_cell(openings, cell, eye, view, camera, &mut results);
         self.results = results;
-        // One result was just written.
-        let record = self.results.floods.last().copied().unwrap_or_default();
-        debug_assert_eq!(self.results.len(), 1);
-        self.results
-            .get(0)
-            .unwrap_or_else(|| unreachable!("a flood leaves a result: {record:?}"))
+        self.results.last()
     }
 
     /// Floods from a cell and appends the result, an empty one when the cell is not loaded.
@@ -281,11 +276,11 @@ impl PView {
             });
             return;
         };
-        if self.settings.guard_wrong_cell {
-            if let Some(other) = better_root(openings, room, eye) {
-                room = other;
-                self.counters.wrong_cell += 1;
-            }
+        if self.settings.guard_wrong_cell
+            && let Some(other) = better_root(openings, room, eye)
+        {
+            room = other;
+            self.counters.wrong_cell += 1;
         }
         let stabs = &openings.rooms[room as usize].stabs;
         let start = Start {
@@ -454,7 +449,7 @@ fn better_root(openings: &BlockOpenings, room: u32, eye: Vec3) -> Option<u32> {
             .iter()
             .fold(0.0f32, |worst, plane| upper(worst, -plane.dist(local)))
     };
-    if !(outside_by(room) > WRONG_CELL_MARGIN) {
+    if outside_by(room) <= WRONG_CELL_MARGIN {
         return None;
     }
     openings

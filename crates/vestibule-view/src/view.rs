@@ -396,8 +396,8 @@ impl ClipPolygon {
         if len < 3 {
             return false;
         }
-        for i in 0..len {
-            self.spare[i].corner = self.edges[kept[i]].corner;
+        for (spare, &from) in self.spare.iter_mut().zip(&kept[..len]) {
+            spare.corner = self.edges[from].corner;
         }
         for i in 0..len {
             let next = if i + 1 == len { 0 } else { i + 1 };

@@ -65,7 +65,55 @@ fn s14_5_a_warm_traversal_does_not_allocate() {
             seen += pview.look_in_block(Some(&openings), camera).cells().len();
         }
     };
-    assert!(allocations(|| run(&mut pview)) > 0, "the first run warms up, or the counter does not count");
+    assert!(
+        allocations(|| run(&mut pview)) > 0,
+        "the first run warms up, or the counter does not count"
+    );
     assert_eq!(allocations(|| run(&mut pview)), 0);
     assert!(seen > 1_000);
+}
+
+#[test]
+fn s14_5_a_warm_frame_does_not_allocate() {
+    let folder =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/vectors/worlds/cottage-2");
+    if !folder.exists() {
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("skipped: no test vectors\n"));
+        return;
+    }
+    let world = vestibule_world::World::open(vestibule_dat::DatSet::open(folder).unwrap()).unwrap();
+    let openings = vestibule_view::Openings::new();
+    let objects = vestibule_view::WorldObjects::new(&world);
+    let block = vestibule_world::BlockId(0xA9B4);
+    let mut cameras = Vec::new();
+    let mut random = Random(3);
+    for cell in world.block(block).unwrap().env_cells() {
+        let bounds = cell.structure.bounds.unwrap();
+        let eye = cell.frame.local_to_global((bounds.min + bounds.max) * 0.5);
+        let (out, outside) = cell.id.adjust_to_outside(eye - glam::Vec3::Y * 14.0).unwrap();
+        for (id, eye) in [(cell.id, eye), (out, outside)] {
+            for _ in 0..8 {
+                let yaw = random.within(0.0, 6.3);
+                let look = glam::Vec3::new(libm::sinf(yaw), libm::cosf(yaw), 0.0);
+                let screen = glam::Vec2::new(800.0, 600.0);
+                cameras.push(vestibule_view::Camera::new(id, eye, look, glam::Vec3::Z, 1.2, screen).unwrap());
+            }
+        }
+    }
+    let mut frame = vestibule_view::FrameView::default();
+    let mut commands = 0;
+    let mut run = |frame: &mut vestibule_view::FrameView| {
+        for camera in &cameras {
+            frame.update(
+                &world,
+                &openings,
+                &objects,
+                &vestibule_view::FrameInput::new(*camera),
+            );
+            commands += frame.commands().len();
+        }
+    };
+    assert!(allocations(|| run(&mut frame)) > 0);
+    assert_eq!(allocations(|| run(&mut frame)), 0);
+    assert!(commands > 1_000);
 }

@@ -45,7 +45,10 @@ fn s17_2_no_ray_escapes_the_views() {
         let reachable = connected(&maze.rooms.specs, root);
         for (at, cell) in flood.cells().iter().enumerate() {
             assert!(flood.regions(cell).len() >= 1, "I3, seed {seed}");
-            assert!(reachable.contains(&usize::from(cell.id.low() - 0x100)), "I9, seed {seed}");
+            assert!(
+                reachable.contains(&usize::from(cell.id.low() - 0x100)),
+                "I9, seed {seed}"
+            );
             assert_eq!(cell.reached_from.is_none(), at == 0, "I5, seed {seed}");
             check_views(&flood, cell, &camera, seed);
         }
@@ -55,14 +58,19 @@ fn s17_2_no_ray_escapes_the_views() {
             let walked = walk(&maze.rooms.specs, root, camera.eye(), ray);
             crossings += walked.rooms.len() - 1;
             for room in &walked.rooms {
-                let at = flood.position(*room).unwrap_or_else(|| panic!("I7, seed {seed}: {room} is missing"));
+                let at = flood
+                    .position(*room)
+                    .unwrap_or_else(|| panic!("I7, seed {seed}: {room} is missing"));
                 assert!(
                     flood.regions(&flood.cells()[at]).any(|r| r.contains(ray, 1.0e-5)),
                     "I7, seed {seed}: a ray enters {room} outside its views"
                 );
             }
             if walked.outside {
-                assert!(flood.outside().any(|r| r.contains(ray, 1.0e-5)), "I7, seed {seed}: outside");
+                assert!(
+                    flood.outside().any(|r| r.contains(ray, 1.0e-5)),
+                    "I7, seed {seed}: outside"
+                );
             }
         }
     }
@@ -81,9 +89,15 @@ fn check_views(flood: &Flood<'_>, cell: &vestibule_view::SeenCell, camera: &Came
             assert!(region.contains(e.corner, 1.0e-5), "I4 convex, seed {seed}");
             let c = camera.to_camera(e.corner);
             let limit = |slope: f32| slope * c.y + 1.0e-4;
-            assert!(c.x.abs() <= limit(camera.slopes().x) && c.z.abs() <= limit(camera.slopes().y), "I4, {seed}");
+            assert!(
+                c.x.abs() <= limit(camera.slopes().x) && c.z.abs() <= limit(camera.slopes().y),
+                "I4, {seed}"
+            );
             if let Some(parent) = view.parent.and_then(|p| flood.view(p)) {
-                assert!(flood.region(parent).contains(e.corner, 1.0e-5), "I4 parent, seed {seed}");
+                assert!(
+                    flood.region(parent).contains(e.corner, 1.0e-5),
+                    "I4 parent, seed {seed}"
+                );
             }
         }
     }
@@ -108,14 +122,21 @@ fn i6_the_middle_of_every_view_reaches_its_room() {
                 let walked = walk(&maze.rooms.specs, root, camera.eye(), ray);
                 // A sliver thinner than the arithmetic resolves proves nothing.
                 let thin = region.pixel_area(&camera) < 1.0e-2;
-                assert!(walked.rooms.contains(&cell.id) || thin, "seed {seed}, {}", cell.id);
+                assert!(
+                    walked.rooms.contains(&cell.id) || thin,
+                    "seed {seed}, {}",
+                    cell.id
+                );
                 checked += 1;
             }
         }
         for region in flood.outside() {
             let ray = region.middle().unwrap().normalize();
             let walked = walk(&maze.rooms.specs, root, camera.eye(), ray);
-            assert!(walked.outside || region.pixel_area(&camera) < 1.0e-2, "seed {seed}");
+            assert!(
+                walked.outside || region.pixel_area(&camera) < 1.0e-2,
+                "seed {seed}"
+            );
         }
     }
     assert!(checked > 2_000);
@@ -193,7 +214,11 @@ fn s17_5_s17_6_moving_the_world_with_its_camera_changes_nothing() {
             let there = camera_in(&camera, CellId::new(block, camera.cell().low()));
             let flood = pview.look_in_block(Some(&openings), &there);
             let keys: Vec<(u16, f32)> = flood.cells().iter().map(|c| (c.id.low(), c.key)).collect();
-            assert_eq!(keys, before.iter().map(|c| (c.id.low(), c.key)).collect::<Vec<_>>(), "seed {seed}");
+            assert_eq!(
+                keys,
+                before.iter().map(|c| (c.id.low(), c.key)).collect::<Vec<_>>(),
+                "seed {seed}"
+            );
         }
         // A quarter turn about z.
         let turn = |p: Vec3| Vec3::new(-p.y, p.x, p.z);
@@ -204,8 +229,15 @@ fn s17_5_s17_6_moving_the_world_with_its_camera_changes_nothing() {
         }
         let [_, forward, up] = *camera.axes();
         let fov = 2.0 * libm::atanf(camera.slopes().y);
-        let turned =
-            Camera::new(camera.cell(), turn(camera.eye()), turn(forward), turn(up), fov, VIEWPORT).unwrap();
+        let turned = Camera::new(
+            camera.cell(),
+            turn(camera.eye()),
+            turn(forward),
+            turn(up),
+            fov,
+            VIEWPORT,
+        )
+        .unwrap();
         let flood = pview.look_in_block(Some(&maze.rooms.build()), &turned);
         if smallest < 1.0 {
             slivers += 1;
@@ -301,4 +333,78 @@ fn s17_3_no_room_flickers_on_a_path_through_a_door() {
 
 fn id_of(room: usize) -> CellId {
     id(room)
+}
+
+/// What could be seen from a room holds everything any eye in it sees; what it sees all around holds what it sees
+/// ahead.
+#[test]
+fn sight_without_a_camera_holds_every_camera() {
+    let mut pview = PView::default();
+    let (mut listed, mut reachable) = (0, 0);
+    for seed in 0..600 {
+        let mut random = Random(seed);
+        let mut maze = Maze::random(&mut random, seed % 4 == 0);
+        let openings = maze.rooms.build();
+        let first = maze.camera(&mut random);
+        let root = usize::from(first.cell().low() - 0x100);
+        let could = vestibule_view::potentially_visible(&openings, first.cell());
+        assert!(!could.truncated && could.cells.contains(&first.cell()));
+        listed += could.cells.len();
+        reachable += connected(&maze.rooms.specs, root).len();
+        for _ in 0..60 {
+            let camera = maze.camera(&mut random);
+            if camera.cell() != first.cell() {
+                continue;
+            }
+            let around = pview.look_around(Some(&openings), camera.cell(), camera.eye());
+            let (all, out) = (ids_of(&around), around.sees_outside());
+            assert!(all.iter().all(|id| could.cells.contains(id)), "seed {seed}");
+            assert!(!out || could.outside, "seed {seed}");
+            let flood = pview.look_in_block(Some(&openings), &camera);
+            assert!(flood.cells().iter().all(|c| all.contains(&c.id)), "seed {seed}");
+            assert!(!flood.sees_outside() || out, "seed {seed}");
+        }
+    }
+    let _ = writeln!(
+        std::io::stderr(),
+        "could be seen: {listed} of {reachable} reachable rooms"
+    );
+    assert!(listed < reachable);
+}
+
+/// 17.4: whoever is seen can look back.
+#[test]
+fn s17_4_sight_is_mutual() {
+    let mut pview = PView::default();
+    let mut checked = 0;
+    for seed in 0..2_000 {
+        let mut random = Random(seed);
+        let mut maze = Maze::random(&mut random, false);
+        let camera = maze.camera(&mut random);
+        let openings = maze.rooms.build();
+        let root = usize::from(camera.cell().low() - 0x100);
+        let flood = pview.look_in_block(Some(&openings), &camera);
+        let rays: Vec<(CellId, Vec3)> = flood
+            .cells()
+            .iter()
+            .skip(1)
+            .flat_map(|c| flood.regions(c).map(|r| (c.id, r)))
+            .filter(|(_, r)| r.pixel_area(&camera) > 1.0)
+            .map(|(id, r)| (id, r.middle().unwrap().normalize()))
+            .collect();
+        for (id, ray) in rays {
+            let walked = walk(&maze.rooms.specs, root, camera.eye(), ray);
+            let Some(at) = walked.rooms.iter().position(|r| *r == id) else {
+                continue;
+            };
+            let there = camera.eye() + ray * (walked.entered[at] as f32 + 0.02);
+            let back = Camera::new(id, there, -ray, Vec3::Z, 1.0, VIEWPORT).unwrap();
+            assert!(
+                pview.look_in_block(Some(&openings), &back).sees(camera.cell()),
+                "seed {seed}"
+            );
+            checked += 1;
+        }
+    }
+    assert!(checked > 1_000, "{checked}");
 }

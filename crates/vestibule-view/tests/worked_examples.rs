@@ -384,6 +384,23 @@ fn v27_the_stab_list_gates_only_in_strict_mode() {
 }
 
 #[test]
+fn s5_7_the_order_of_a_stab_list_does_not_matter() {
+    let mut rooms = corridor((-1.0, 1.0));
+    let d = rooms.room("D", (-9.0, -1.0), (10.0, 12.0));
+    rooms.door(d, 1, &at_x(-1.0, (10.0, 12.0), (0.0, 3.0)));
+    rooms.full_stabs();
+    let camera = camera(0, v(0.0, 1.0, 1.5), Vec3::Y, 1.0);
+    let mut strict = PView::new(FloodSettings::retail());
+    for turn in 0..3 {
+        rooms.specs[0].stab_list.rotate_left(1);
+        rooms.specs[0].stab_list.reverse();
+        let openings = vestibule_view::BlockOpenings::from_rooms(BLOCK, &rooms.specs);
+        let flood = strict.look_in_block(Some(&openings), &camera);
+        assert_eq!(flood.cells().len(), 4, "turn {turn}");
+    }
+}
+
+#[test]
 fn v28_a_cellar_hatch() {
     let mut rooms = Rooms::new();
     let a = rooms.room("A", HALL, HALL);

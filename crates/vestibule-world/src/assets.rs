@@ -1,6 +1,8 @@
 //! Shared assets: models, shapes and cell structures, compiled once per record.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::Vec3;
@@ -8,12 +10,12 @@ use vestibule_dat::record;
 
 use crate::compile;
 use crate::env_cell::CellStruct;
-use crate::error::{LoadProblem, ProblemKind};
+use crate::error::ProblemKind;
 use crate::frame::Frame;
 use crate::geometry::Sphere;
+use crate::records::Records;
 use crate::shape::{Model, Shape, ShapePart};
 use crate::source::Store;
-use crate::world::World;
 
 /// Compiled records by id. Only loading looks in here.
 #[derive(Default)]
@@ -21,13 +23,48 @@ pub(crate) struct Assets {
     models: Cache<u32, Model>,
     shapes: Cache<u32, Shape>,
     structs: Cache<(u32, u16), CellStruct>,
+    /// Memory of all of them, about.
+    bytes: AtomicUsize,
+}
+
+impl Assets {
+    /// Memory of what is kept, bytes, about.
+    pub(crate) fn bytes(&self) -> usize {
+        self.bytes.load(Ordering::Relaxed)
+    }
+
+    /// Forgets what nothing uses.
+    pub(crate) fn prune(&self) {
+        prune(&self.shapes, &self.bytes);
+        prune(&self.models, &self.bytes);
+        prune(&self.structs, &self.bytes);
+    }
+}
+
+/// What an asset takes in memory.
+pub(crate) trait Memory {
+    /// Bytes, about, without what it shares with others.
+    fn memory(&self) -> usize;
+}
+
+fn prune<K: core::hash::Hash + Eq, V: Memory>(cache: &Cache<K, V>, bytes: &AtomicUsize) {
+    let mut cache = cache.lock().unwrap_or_else(PoisonError::into_inner);
+    cache.retain(|_, asset| match asset {
+        Some(asset) if Arc::strong_count(asset) == 1 => {
+            bytes.fetch_sub(asset.memory(), Ordering::Relaxed);
+            false
+        }
+        // That a record is missing is remembered, so that it is reported once.
+        _ => true,
+    });
 }
 
 type Cache<K, V> = Mutex<HashMap<K, Option<Arc<V>>>>;
 
 /// The cached value, made on first use. Two threads may make the same one; both are equal and one is kept.
-fn cached<K: core::hash::Hash + Eq + Copy, V>(
+fn cached<K: core::hash::Hash + Eq + Copy, V: Memory>(
     cache: &Cache<K, V>,
+    bytes: &AtomicUsize,
     key: K,
     make: impl FnOnce() -> Option<V>,
 ) -> Option<Arc<V>> {
@@ -36,49 +73,27 @@ fn cached<K: core::hash::Hash + Eq + Copy, V>(
         return found.clone();
     }
     let made = make().map(Arc::new);
-    lock().entry(key).or_insert(made).clone()
-}
-
-impl World {
-    /// Reads and parses a record that `needed_by` refers to; problems are reported and answer `None`.
-    pub(crate) fn parse<T>(
-        &self,
-        store: Store,
-        id: u32,
-        needed_by: u32,
-        parse: impl FnOnce(u32, &[u8]) -> Result<T, record::RecordError>,
-    ) -> Option<T> {
-        let problem = |kind| LoadProblem {
-            file: self.source().file_of(store, id),
-            id,
-            kind,
-        };
-        match self.source().record(store, id) {
-            Ok(Some(bytes)) => parse(id, &bytes)
-                .map_err(|e| self.report(problem(ProblemKind::Unreadable(e.to_string()))))
-                .ok(),
-            Ok(None) => {
-                self.report(problem(ProblemKind::Missing { needed_by }));
-                None
-            }
-            Err(e) => {
-                self.report(problem(ProblemKind::Unreadable(e.to_string())));
-                None
-            }
+    match lock().entry(key) {
+        Entry::Occupied(there) => there.get().clone(),
+        Entry::Vacant(free) => {
+            bytes.fetch_add(made.as_ref().map_or(0, |asset| asset.memory()), Ordering::Relaxed);
+            free.insert(made).clone()
         }
     }
+}
 
+impl Records {
     /// The model of a GfxObj record (0x01…).
-    pub fn model(&self, id: u32, needed_by: u32) -> Option<Arc<Model>> {
-        cached(&self.assets.models, id, || {
+    pub(crate) fn model(&self, id: u32, needed_by: u32) -> Option<Arc<Model>> {
+        cached(&self.assets.models, &self.assets.bytes, id, || {
             self.parse(Store::Portal, id, needed_by, record::GfxObj::parse)
                 .map(|record| compile::model(id, &record))
         })
     }
 
     /// The shape of a Setup record (0x02…), or of a GfxObj (0x01…) as a setup of one part.
-    pub fn shape(&self, id: u32, needed_by: u32) -> Option<Arc<Shape>> {
-        cached(&self.assets.shapes, id, || match id >> 24 {
+    pub(crate) fn shape(&self, id: u32, needed_by: u32) -> Option<Arc<Shape>> {
+        cached(&self.assets.shapes, &self.assets.bytes, id, || match id >> 24 {
             0x01 => Some(self.one_part_shape(id, needed_by)),
             _ => self
                 .parse(Store::Portal, id, needed_by, record::Setup::parse)
@@ -150,20 +165,56 @@ impl World {
         }
     }
 
-    /// A cell structure of an Environment record (0x0D…).
+    /// A cell structure of an Environment record (0x0D…). The first one asked for makes all of its record's, since
+    /// finding one means reading them all.
     pub(crate) fn cell_struct(&self, environment: u32, key: u16, cell: u32) -> Option<Arc<CellStruct>> {
-        cached(&self.assets.structs, (environment, key), || {
-            let record = self.parse(Store::Portal, environment, cell, record::Environment::parse)?;
-            let found = record.cell_struct(u32::from(key));
-            if found.is_none() {
-                let kind = ProblemKind::NoCellStruct { environment, key };
-                self.report(LoadProblem {
-                    file: self.source().file_of(Store::Cell, cell),
-                    id: cell,
-                    kind,
-                });
+        let Assets { structs, bytes, .. } = &self.assets;
+        let known = |key: u16| {
+            let cache = structs.lock().unwrap_or_else(PoisonError::into_inner);
+            cache.get(&(environment, key)).cloned()
+        };
+        if let Some(found) = known(key) {
+            return found;
+        }
+        if let Some(record) = self.parse(Store::Portal, environment, cell, record::Environment::parse) {
+            for shape in &record.cell_structs {
+                if let Ok(key) = u16::try_from(shape.id) {
+                    let make = || Some(compile::cell_struct(environment, key, shape));
+                    cached(structs, bytes, (environment, key), make);
+                }
             }
-            Some(compile::cell_struct(environment, key, found?))
-        })
+            if known(key).is_none() {
+                self.report_in(Store::Cell, cell, ProblemKind::NoCellStruct { environment, key });
+            }
+        }
+        cached(structs, bytes, (environment, key), || None)
+    }
+}
+
+impl Memory for Model {
+    fn memory(&self) -> usize {
+        size_of::<Self>()
+            + self.physics.as_ref().map_or(0, |p| p.memory())
+            + self.polygons.memory()
+            + size_of_val(&*self.apertures)
+    }
+}
+
+impl Memory for Shape {
+    fn memory(&self) -> usize {
+        size_of::<Self>()
+            + size_of_val(&*self.parts)
+            + size_of_val(&*self.cylspheres)
+            + size_of_val(&*self.spheres)
+    }
+}
+
+impl Memory for CellStruct {
+    fn memory(&self) -> usize {
+        size_of::<Self>()
+            + size_of_val(self.cell_bsp.planes())
+            + self.physics.as_ref().map_or(0, |p| p.memory())
+            + self.polygons.memory()
+            + size_of_val(&*self.portal_polygons)
     }
 }

@@ -1,5 +1,7 @@
 //! Records compiled into the flat forms that look-ups and collisions use.
 
+use std::collections::BTreeMap;
+
 use glam::Vec3;
 use vestibule_dat::{primitive, record};
 
@@ -43,13 +45,28 @@ impl From<&primitive::CylSphere> for CylSphere {
 }
 
 /// Finds vertices by their stored id (`dat-format.md` G1); position and id agree in nearly all records.
-struct Vertices<'a>(&'a [record::Vertex]);
+struct Vertices<'a> {
+    list: &'a [record::Vertex],
+    /// Where they do not: the first position of each id. A search for every corner would let a hostile record take
+    /// minutes.
+    misplaced: BTreeMap<u16, usize>,
+}
 
-impl Vertices<'_> {
+impl<'a> Vertices<'a> {
+    fn new(list: &'a [record::Vertex]) -> Self {
+        let mut misplaced = BTreeMap::new();
+        for (at, vertex) in list.iter().enumerate() {
+            if usize::from(vertex.id) != at {
+                misplaced.entry(vertex.id).or_insert(at);
+            }
+        }
+        Vertices { list, misplaced }
+    }
+
     fn origin(&self, id: u16) -> Option<Vec3> {
-        match self.0.get(usize::from(id)) {
+        match self.list.get(usize::from(id)) {
             Some(v) if v.id == id => Some(v.origin),
-            _ => self.0.iter().find(|v| v.id == id).map(|v| v.origin),
+            _ => self.list.get(*self.misplaced.get(&id)?).map(|v| v.origin),
         }
     }
 
@@ -62,7 +79,7 @@ impl Vertices<'_> {
 
 /// The usable polygons of a record (`dat-format.md` G15): three corners or more, all of them known and finite.
 pub fn polygon_set(vertices: &[record::Vertex], polygons: &[record::Polygon]) -> PolygonSet {
-    let vertices = Vertices(vertices);
+    let vertices = Vertices::new(vertices);
     let mut set = PolygonSet::default();
     let mut corners = Vec::new();
     for polygon in polygons {

@@ -96,13 +96,24 @@ impl EnvCell {
                 .contains_point(self.frame.global_to_local(q))
     }
 
+    /// Memory behind the cell, bytes, about: its lists, without the shared structure.
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(&*self.surfaces)
+            + size_of_val(&*self.portals)
+            + size_of_val(&*self.stab_list)
+            + self.hints.memory()
+    }
+
     /// The portal that had position `index` in the record, which is how other cells and buildings name it.
     pub fn portal(&self, index: u16) -> Option<&CellPortal> {
         let guess = self
             .portals
             .get(usize::from(index))
             .filter(|p| p.record_index == index);
-        guess.or_else(|| self.portals.iter().find(|p| p.record_index == index))
+        guess.or_else(|| {
+            let at = self.portals.binary_search_by_key(&index, |p| p.record_index);
+            self.portals.get(at.ok()?)
+        })
     }
 
     /// Vertices of a portal's polygon, cell-local metres.

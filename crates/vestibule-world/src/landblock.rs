@@ -1,13 +1,15 @@
 //! A loaded landblock (`world.md` 6): terrain, land cells, buildings, static objects and env cells.
 
+use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use crate::constants::BLOCK_SIDE_CELLS;
 use crate::env_cell::EnvCell;
 use crate::ids::{BlockId, CellId};
-use crate::shadow::ShadowLists;
+use crate::shadow::{Reach, ShadowLists};
 use crate::shape::{Building, StaticObject};
 use crate::terrain::{LandCell, TerrainWord, Water};
+use crate::world::World;
 
 /// A landblock as loaded: immutable, shared by reference between threads. Its frame has its origin in the
 /// south-west corner, metres.
@@ -26,8 +28,12 @@ pub struct Landblock {
     pub land_statics: u32,
     /// Env cells by low word from 0x0100; `None` where the record is missing or unusable.
     pub env_cells: Box<[Option<EnvCell>]>,
+    pub(crate) reach: OnceLock<Reach>,
     pub(crate) shadows: OnceLock<ShadowLists>,
 }
+
+/// Landblocks are moved about by their address: they are large.
+pub(crate) type BoxedBlock = Box<Landblock>;
 
 /// The terrain of a landblock.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,18 +98,53 @@ impl Landblock {
 
     /// Every env cell named by a portal of a building, in order of first occurrence (`world.md` C4).
     pub fn stab_list(&self) -> Vec<CellId> {
-        let mut out = Vec::new();
-        for id in self
-            .buildings
-            .iter()
-            .flat_map(|b| &b.portals)
-            .flat_map(|p| &p.stab_list)
-        {
-            if !out.contains(id) {
-                out.push(*id);
-            }
-        }
+        let mut seen = BTreeSet::new();
+        let portals = self.buildings.iter().flat_map(|b| &b.portals);
+        let mut out: Vec<CellId> = portals.flat_map(|p| &p.stab_list).copied().collect();
+        out.retain(|&id| seen.insert(id));
         out
+    }
+
+    /// A landblock with terrain and nothing else.
+    pub(crate) fn of_land(id: BlockId, land: Option<Land>) -> Self {
+        Landblock {
+            id,
+            land,
+            buildings: [].into(),
+            statics: [].into(),
+            land_statics: 0,
+            env_cells: [].into(),
+            reach: OnceLock::new(),
+            shadows: OnceLock::new(),
+        }
+    }
+
+    pub(crate) fn reach(&self, world: &World) -> &Reach {
+        self.reach.get_or_init(|| Reach::build(world, self))
+    }
+
+    /// Memory the landblock takes, bytes, about: without the assets it shares with others.
+    pub fn memory(&self) -> usize {
+        let land =
+            |land: &Land| size_of_val(&*land.heights) + size_of_val(&*land.words) + size_of_val(&*land.cells);
+        let building = |b: &Building| {
+            let stabs: usize = b.portals.iter().map(|p| size_of_val(&*p.stab_list)).sum();
+            size_of_val(&*b.part_frames) + size_of_val(&*b.portals) + stabs
+        };
+        size_of::<Self>()
+            + self.land.as_ref().map_or(0, land)
+            + size_of_val(&*self.buildings)
+            + self.buildings.iter().map(building).sum::<usize>()
+            + size_of_val(&*self.statics)
+            + self
+                .statics
+                .iter()
+                .map(|s| size_of_val(&*s.part_frames))
+                .sum::<usize>()
+            + size_of_val(&*self.env_cells)
+            + self.env_cells().map(EnvCell::memory).sum::<usize>()
+            + self.reach.get().map_or(0, Reach::bytes)
+            + self.shadows.get().map_or(0, ShadowLists::bytes)
     }
 
     /// Whether tools should call this a dungeon: env cells and no buildings (`world.md` U4). The engine never

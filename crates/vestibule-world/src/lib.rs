@@ -5,6 +5,7 @@
 //! objects and the cells they occupy, and answers the questions movement and visibility ask:
 //!
 //! * [`World`] opens records and loads landblocks when they are first touched, from any thread;
+//! * [`CellManager`] instead keeps resident what one viewer needs, loaded off the thread that moves it;
 //! * [`find_cell_list`] tells which cells spheres touch and which cell holds the first centre, seeded from the
 //!   cell a body was in: membership is carried, never re-derived;
 //! * [`adjust_position`] finds the cell of a placement or teleport;
@@ -32,6 +33,7 @@ mod adjust_position;
 mod assets;
 mod cell_array;
 mod cell_bsp;
+mod cell_manager;
 pub mod compile;
 pub mod constants;
 mod env_cell;
@@ -42,12 +44,15 @@ mod geometry;
 pub mod ids;
 mod landblock;
 mod load;
+mod loader;
 pub mod lscape;
 mod open_box;
 mod physics_bsp;
 mod polygon;
 mod position;
+mod records;
 mod region;
+mod residency;
 pub mod scenery;
 mod shadow;
 mod shape;
@@ -62,6 +67,7 @@ mod world;
 pub use adjust_position::{AdjustedPosition, adjust_position, find_visible_child_cell};
 pub use cell_array::{CellArray, CellEntry};
 pub use cell_bsp::{CellBsp, Inside};
+pub use cell_manager::CellManager;
 pub use env_cell::{CellPortal, CellStruct, EnvCell, PortalTarget};
 pub use error::{LoadProblem, ProblemKind, WorldError};
 pub use find_cell_list::{
@@ -75,6 +81,7 @@ pub use physics_bsp::{Child, ChildKind, Face, FaceEdge, PhysicsBsp, PhysicsLeaf,
 pub use polygon::{Polygon, PolygonSet};
 pub use position::{MapCoordinates, ParseMapCoordinatesError, ParsePositionError, Position, heading_of};
 pub use region::{REGION_RECORD, Region};
+pub use residency::{ResidencySettings, ResidencyStats};
 pub use shadow::{ShadowLists, calc_cross_cells_static, part_bounds};
 pub use shape::{Aperture, Building, BuildingPortal, Model, Shape, ShapePart, StaticObject, StaticRef};
 pub use source::{MemoryRecords, RecordSource, SourceError, Store};

@@ -6,25 +6,21 @@ use glam::Vec3;
 use vestibule_dat::record;
 
 use crate::env_cell::{CellPortal, EnvCell, PortalTarget};
-use crate::error::{LoadProblem, ProblemKind};
+use crate::error::ProblemKind;
 use crate::frame::Frame;
 use crate::ids::{BlockId, CellId};
 use crate::landblock::{Land, Landblock};
+use crate::records::Records;
 use crate::region::Region;
 use crate::shape::{Building, BuildingPortal, StaticObject};
 use crate::source::Store;
 use crate::terrain::{TerrainWord, block_water, build_land_cells};
 use crate::transit_hints::{TransitHints, set_hints};
-use crate::world::World;
 
 /// Loads a landblock; `None` when it has no LandBlock record and no env cells.
-pub(crate) fn landblock(world: &World, id: BlockId) -> Option<Landblock> {
-    let loader = Loader { world, id };
-    let record_id = id.land_block_record();
-    let land_record = match world.source().record(Store::Cell, record_id) {
-        Ok(None) => None,
-        _ => world.parse(Store::Cell, record_id, record_id, record::LandBlock::parse),
-    };
+pub(crate) fn landblock(records: &Records, id: BlockId) -> Option<Landblock> {
+    let loader = Loader { records, id };
+    let land_record = loader.land_record();
     let has_objects = land_record.as_ref().is_some_and(|r| r.has_objects.is_true());
     let info = if has_objects { loader.info() } else { None };
     let mut land = land_record.map(|r| loader.land(&r));
@@ -60,33 +56,45 @@ pub(crate) fn landblock(world: &World, id: BlockId) -> Option<Landblock> {
         statics: statics.into(),
         land_statics,
         env_cells,
+        reach: OnceLock::new(),
         shadows: OnceLock::new(),
     };
     loader.check_building_portals(&block);
     Some(block)
 }
 
+/// Loads the terrain of a landblock only, as far landscape needs it (`world.md` 4.4).
+pub(crate) fn landscape(records: &Records, id: BlockId) -> Option<Landblock> {
+    let loader = Loader { records, id };
+    let land = loader.land(&loader.land_record()?);
+    Some(Landblock::of_land(id, Some(land)))
+}
+
 struct Loader<'w> {
-    world: &'w World,
+    records: &'w Records,
     id: BlockId,
 }
 
 impl Loader<'_> {
     fn report(&self, id: u32, kind: ProblemKind) {
-        self.world.report(LoadProblem {
-            file: self.world.source().file_of(Store::Cell, id),
-            id,
-            kind,
-        });
+        self.records.report_in(Store::Cell, id, kind);
+    }
+
+    fn land_record(&self) -> Option<record::LandBlock> {
+        let id = self.id.land_block_record();
+        if self.records.is_absent(Store::Cell, id) {
+            return None;
+        }
+        self.records.parse(Store::Cell, id, id, record::LandBlock::parse)
     }
 
     fn info(&self) -> Option<record::LandBlockInfo> {
         let id = self.id.info_record();
-        if let Ok(None) = self.world.source().record(Store::Cell, id) {
+        if self.records.is_absent(Store::Cell, id) {
             self.report(self.id.land_block_record(), ProblemKind::NoInfo);
             return None;
         }
-        self.world.parse(
+        self.records.parse(
             Store::Cell,
             id,
             self.id.land_block_record(),
@@ -95,7 +103,7 @@ impl Loader<'_> {
     }
 
     fn land(&self, record: &record::LandBlock) -> Land {
-        let region: &Region = self.world.region();
+        let region: &Region = &self.records.region;
         let mut heights = Box::new([0.0f32; 81]);
         for (metres, &index) in heights.iter_mut().zip(&record.height) {
             *metres = region.heights[usize::from(index)];
@@ -142,7 +150,7 @@ impl Loader<'_> {
                 self.report(info.id, kind);
                 continue;
             };
-            let Some(shape) = self.world.shape(record.model_id, info.id) else {
+            let Some(shape) = self.records.shape(record.model_id, info.id) else {
                 continue;
             };
             let Ok(position) = u16::try_from(out.len()) else {
@@ -199,7 +207,7 @@ impl Loader<'_> {
                 self.report(info.id, kind);
                 continue;
             };
-            if let Some(shape) = self.world.shape(stab.id, info.id) {
+            if let Some(shape) = self.records.shape(stab.id, info.id) {
                 out.push(StaticObject::new(shape, frame, cell));
             }
         }
@@ -226,7 +234,7 @@ impl Loader<'_> {
 
     fn env_cell(&self, id: CellId, needed_by: u32, statics: &mut Vec<StaticObject>) -> Option<EnvCell> {
         let record = self
-            .world
+            .records
             .parse(Store::Cell, id.0, needed_by, record::EnvCell::parse)?;
         let frame = Frame::from(&record.frame);
         if !frame.is_finite() {
@@ -234,7 +242,7 @@ impl Loader<'_> {
             return None;
         }
         let structure = self
-            .world
+            .records
             .cell_struct(record.environment, record.cell_struct, id.0)?;
         let mut portals = Vec::with_capacity(record.portals.len());
         for (index, portal) in (0u16..).zip(&record.portals) {
@@ -268,7 +276,7 @@ impl Loader<'_> {
             let frame = Frame::from(&stab.frame);
             if !frame.is_finite() {
                 self.report(id.0, ProblemKind::NotFinite("static object frame"));
-            } else if let Some(shape) = self.world.shape(stab.id, id.0) {
+            } else if let Some(shape) = self.records.shape(stab.id, id.0) {
                 statics.push(StaticObject::new(shape, frame, id));
             }
         }

@@ -163,6 +163,15 @@ pub struct PhysicsBsp {
 }
 
 impl PhysicsBsp {
+    /// Memory behind the tree, bytes.
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(&*self.nodes)
+            + size_of_val(&*self.leaves)
+            + size_of_val(&*self.faces)
+            + size_of_val(&*self.edges)
+            + self.polygons.memory()
+    }
+
     /// A tree from its parts. `leaf_polygons` holds the polygons of the leaves, in the leaves' own order, as
     /// positions in `polygons`; positions that do not exist become faces that nothing can hit.
     pub fn new(

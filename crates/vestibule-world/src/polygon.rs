@@ -1,5 +1,7 @@
 //! Polygons of models and cell structures, in flat arrays shared by everything that uses the record.
 
+use std::collections::BTreeMap;
+
 use glam::Vec3;
 
 use crate::geometry::Plane;
@@ -24,9 +26,16 @@ pub struct Polygon {
 pub struct PolygonSet {
     polygons: Vec<Polygon>,
     vertices: Vec<Vec3>,
+    /// Positions of polygons whose id is not their position: few, except in hostile records.
+    misplaced: BTreeMap<u16, u32>,
 }
 
 impl PolygonSet {
+    /// Memory behind the set, bytes.
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(&*self.polygons) + size_of_val(&*self.vertices)
+    }
+
     /// Adds a polygon. Fewer than three vertices, or an id that is already there, are left out
     /// (`dat-format.md` G15): the answer is then false.
     pub fn push(&mut self, id: u16, single_sided: bool, vertices: &[Vec3]) -> bool {
@@ -38,6 +47,9 @@ impl PolygonSet {
         }
         let first = self.vertices.len() as u32;
         self.vertices.extend_from_slice(vertices);
+        if usize::from(id) != self.polygons.len() {
+            self.misplaced.insert(id, self.polygons.len() as u32);
+        }
         self.polygons.push(Polygon {
             id,
             count,
@@ -80,7 +92,7 @@ impl PolygonSet {
         if self.polygons.get(guess).is_some_and(|p| p.id == id) {
             return Some(guess);
         }
-        self.polygons.iter().position(|p| p.id == id)
+        self.misplaced.get(&id).map(|&i| i as usize)
     }
 
     /// The polygon with record key `id`.

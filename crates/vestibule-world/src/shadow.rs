@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::cell_array::CellArray;
 use crate::find_cell_list::find_cell_list_of_cylspheres;
 use crate::geometry::Sphere;
-use crate::ids::{CellId, block_offset};
+use crate::ids::{BlockId, CellId, block_offset};
 use crate::landblock::{LAND_CELLS, Landblock};
 use crate::position::Position;
 use crate::shape::{StaticObject, StaticRef};
@@ -54,38 +54,33 @@ impl ShadowLists {
         }
     }
 
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.starts) + size_of_val(&*self.refs)
+    }
+
     /// Builds the lists of `block` from its own statics and those of the blocks around it.
     pub(crate) fn build(world: &World, block: &Landblock) -> Self {
         let cells = LAND_CELLS + block.env_cells.len();
         let mut found: Vec<(usize, StaticRef, Sphere)> = Vec::new();
-        let mut array = CellArray::new();
         for dx in -1..=1 {
             for dy in -1..=1 {
                 let Some(id) = block.id.neighbour(dx, dy) else {
                     continue;
                 };
-                let Some(near) = (if id == block.id {
-                    Some(block)
+                let (near, own) = if id == block.id {
+                    (Some(block), true)
                 } else {
-                    world.block(id)
-                }) else {
-                    continue;
+                    (world.block(id), false)
                 };
-                for (index, object) in near.statics.iter().enumerate() {
-                    calc_cross_cells_static(world, object, &mut array);
-                    let mut reach = reach_of(object);
-                    reach.center += block_offset(block.id, object.cell.block());
-                    for entry in array.entries().iter().filter(|e| e.id.block() == block.id) {
-                        if let Some(slot) = slot(entry.id).filter(|&s| s < cells) {
-                            found.push((
-                                slot,
-                                StaticRef {
-                                    block: id,
-                                    index: index as u32,
-                                },
-                                reach,
-                            ));
-                        }
+                let Some(near) = near else { continue };
+                let cells_of = near.reach(world);
+                let entries = if own { &cells_of.own } else { &cells_of.foreign };
+                for &(cell, index) in entries.iter().filter(|(cell, _)| cell.block() == block.id) {
+                    let placed = near.statics.get(index as usize);
+                    if let (Some(slot), Some(object)) = (slot(cell).filter(|&s| s < cells), placed) {
+                        let mut bound = bounding_sphere_of(object);
+                        bound.center += block_offset(block.id, object.cell.block());
+                        found.push((slot, StaticRef { block: id, index }, bound));
                     }
                 }
             }
@@ -110,7 +105,7 @@ impl ShadowLists {
 }
 
 /// A sphere that holds all of an object that can be run into, in the frame of its landblock.
-fn reach_of(object: &StaticObject) -> Sphere {
+fn bounding_sphere_of(object: &StaticObject) -> Sphere {
     let shape = &object.shape;
     let mut spheres: Vec<Sphere> = Vec::new();
     if shape.has_physics_bsp {
@@ -151,6 +146,50 @@ fn reach_of(object: &StaticObject) -> Sphere {
         radius = if far > radius { far } else { radius };
     }
     Sphere::new(center, radius + 0.02)
+}
+
+/// The cells that the static objects of one landblock occupy, with the position of the object, object by object.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Reach {
+    /// Cells of the landblock itself.
+    own: Box<[(CellId, u32)]>,
+    /// Cells of other landblocks.
+    foreign: Box<[(CellId, u32)]>,
+}
+
+impl Reach {
+    /// Works out the cells of every static object whose own cell is resident (`world.md` H2, H4).
+    pub(crate) fn build(world: &World, block: &Landblock) -> Self {
+        let mut array = CellArray::new();
+        let (mut own, mut foreign) = (Vec::new(), Vec::new());
+        for (index, object) in (0u32..).zip(&block.statics) {
+            if !world.is_resident(object.cell) {
+                continue;
+            }
+            calc_cross_cells_static(world, object, &mut array);
+            for entry in array.entries() {
+                let list = if entry.id.block() == block.id {
+                    &mut own
+                } else {
+                    &mut foreign
+                };
+                list.push((entry.id, index));
+            }
+        }
+        Reach {
+            own: own.into(),
+            foreign: foreign.into(),
+        }
+    }
+
+    /// Whether an object reaches, or would reach, a cell of another landblock.
+    pub(crate) fn touches(&self, block: BlockId) -> bool {
+        self.foreign.iter().any(|(cell, _)| cell.block() == block)
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.own) + size_of_val(&*self.foreign)
+    }
 }
 
 /// Position of a cell in the lists of its block.

@@ -44,6 +44,11 @@ impl Default for OpenSpace {
 }
 
 impl TransitHints {
+    /// Memory behind the hints, bytes.
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(&*self.away) + size_of_val(&*self.planes)
+    }
+
     /// Whether a sphere in the frame of the cell's landblock certainly overlaps no polygon of the cell's physics
     /// BSP, by the tolerance of sphere tests: one that rests on a floor does not.
     #[inline(always)]
@@ -161,6 +166,12 @@ fn is_near(cell: &EnvCell) -> bool {
     })
 }
 
+/// Whether a cell has so many portals or planes, by the thousand, that hints would take longer than they save.
+/// Retail's have 27 portals at most.
+fn is_overgrown(cell: &EnvCell) -> bool {
+    cell.portals.len() > 256 || cell.structure.cell_bsp.planes().len() > 256
+}
+
 /// Works out the hints of all env cells of a landblock.
 pub(crate) fn set_hints(cells: &mut [Option<EnvCell>]) {
     let hints: Vec<Option<TransitHints>> = cells
@@ -174,8 +185,26 @@ pub(crate) fn set_hints(cells: &mut [Option<EnvCell>]) {
     }
 }
 
+/// Works the hints of cell `index` about its neighbours out again, after some became resident or ceased to be.
+pub(crate) fn refresh_away(cells: &mut [Option<EnvCell>], index: usize) {
+    let Some(Some(cell)) = cells.get(index) else {
+        return;
+    };
+    if cell.hints.away.is_empty() {
+        return;
+    }
+    let away = cell
+        .portals
+        .iter()
+        .map(|portal| away_from(cell, portal, cells))
+        .collect();
+    if let Some(Some(cell)) = cells.get_mut(index) {
+        cell.hints.away = away;
+    }
+}
+
 fn hints_of(cell: &EnvCell, cells: &[Option<EnvCell>]) -> TransitHints {
-    if !is_near(cell) {
+    if !is_near(cell) || is_overgrown(cell) {
         return TransitHints::default();
     }
     TransitHints {
@@ -309,7 +338,7 @@ fn away_from(cell: &EnvCell, portal: &CellPortal, cells: &[Option<EnvCell>]) -> 
     let Some(neighbour) = neighbour else {
         return in_landblock(&cell.frame, &own);
     };
-    if !is_near(neighbour) {
+    if !is_near(neighbour) || is_overgrown(neighbour) {
         return NO_HINT;
     }
     let Some(bounds) = cell.structure.bounds else {

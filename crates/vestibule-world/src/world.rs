@@ -1,26 +1,26 @@
 //! The world: landblocks loaded on first touch, and the look-ups everything else stands on (`world.md` 15, 17).
 
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
+use vestibule_dat::record;
 
-use crate::assets::Assets;
 use crate::constants::BLOCK_LENGTH;
 use crate::env_cell::EnvCell;
 use crate::error::{LoadProblem, WorldError};
 use crate::ids::{BlockId, CellId};
-use crate::landblock::Landblock;
+use crate::landblock::{BoxedBlock, Landblock};
 use crate::load;
+use crate::records::Records;
 use crate::region::Region;
 use crate::shadow::ShadowLists;
-use crate::shape::{Building, StaticObject, StaticRef};
-use crate::source::RecordSource;
+use crate::shape::{Building, Model, Shape, StaticObject, StaticRef};
+use crate::source::{RecordSource, Store};
 use crate::terrain::{LandCell, Water};
 
 /// Landblock slots: one for every high word.
 const BLOCK_SLOTS: usize = 1 << 16;
-/// At most this many load problems are kept; more are counted.
-const MAX_KEPT_PROBLEMS: usize = 10_000;
 
 /// How a world answers where prior art and retail differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,19 +32,14 @@ pub struct WorldSettings {
 
 /// What the DAT files say, compiled for look-ups. Landblocks load when first touched, from any thread; once
 /// loaded they do not change. Share it by reference.
+///
+/// With a [`crate::CellManager`] nothing loads when touched; what is resident follows one viewer by retail's rules.
 pub struct World {
-    source: Box<dyn RecordSource>,
-    region: Region,
+    records: Arc<Records>,
     settings: WorldSettings,
     blocks: Box<[OnceLock<Option<Box<Landblock>>>]>,
-    pub(crate) assets: Assets,
-    problems: Mutex<Problems>,
-}
-
-#[derive(Default)]
-struct Problems {
-    kept: Vec<LoadProblem>,
-    dropped: usize,
+    distant: BTreeMap<BlockId, Box<Landblock>>,
+    loads_on_touch: bool,
 }
 
 impl World {
@@ -67,12 +62,11 @@ impl World {
         let region = Region::read(&source)?;
         let blocks = (0..BLOCK_SLOTS).map(|_| OnceLock::new()).collect();
         Ok(World {
-            source: Box::new(source),
-            region,
+            records: Arc::new(Records::new(Box::new(source), region)),
             settings,
             blocks,
-            assets: Assets::default(),
-            problems: Mutex::default(),
+            distant: BTreeMap::new(),
+            loads_on_touch: true,
         })
     }
 
@@ -84,12 +78,12 @@ impl World {
 
     /// The land definitions of the Region record.
     pub fn region(&self) -> &Region {
-        &self.region
+        &self.records.region
     }
 
     /// Where the records come from.
     pub fn source(&self) -> &dyn RecordSource {
-        &*self.source
+        &*self.records.source
     }
 
     /// The landblock, loaded if it was not. `None` when neither terrain nor env cells can be had there.
@@ -104,10 +98,13 @@ impl World {
 
     #[cold]
     fn load_block(&self, id: BlockId) -> Option<&Landblock> {
+        if !self.loads_on_touch {
+            return None;
+        }
         let slot = &self.blocks[usize::from(id.0)];
         slot.get_or_init(|| {
             if id.is_on_map() {
-                load::landblock(self, id).map(Box::new)
+                load::landblock(&self.records, id).map(Box::new)
             } else {
                 None
             }
@@ -115,9 +112,18 @@ impl World {
         .as_deref()
     }
 
-    /// The landblock if it has been loaded already.
+    /// The landblock if it has been loaded already. Of a world with a [`crate::CellManager`] also distant
+    /// landscape, which is drawn but which physics does not know.
     pub fn loaded_block(&self, id: BlockId) -> Option<&Landblock> {
-        self.blocks[usize::from(id.0)].get()?.as_deref()
+        match self.blocks[usize::from(id.0)].get() {
+            Some(block) => block.as_deref(),
+            None => self.distant.get(&id).map(|block| &**block),
+        }
+    }
+
+    /// Whether landblocks load when they are first touched. Not so in a world with a [`crate::CellManager`].
+    pub fn loads_on_touch(&self) -> bool {
+        self.loads_on_touch
     }
 
     /// The env cell if it is resident (retail `CEnvCell::GetVisible`).
@@ -214,26 +220,69 @@ impl World {
 
     /// What could not be loaded so far, oldest first.
     pub fn problems(&self) -> Vec<LoadProblem> {
-        self.problems
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .kept
-            .clone()
+        self.records.problems()
     }
 
     /// Number of load problems so far, also those no longer kept.
     pub fn problem_count(&self) -> usize {
-        let problems = self.problems.lock().unwrap_or_else(PoisonError::into_inner);
-        problems.kept.len() + problems.dropped
+        self.records.problem_count()
     }
 
-    pub(crate) fn report(&self, problem: LoadProblem) {
-        let mut problems = self.problems.lock().unwrap_or_else(PoisonError::into_inner);
-        if problems.kept.len() < MAX_KEPT_PROBLEMS {
-            problems.kept.push(problem);
-        } else {
-            problems.dropped += 1;
+    /// The model of a GfxObj record (0x01…), compiled on first use. `needed_by` is named when it is missing.
+    pub fn model(&self, id: u32, needed_by: u32) -> Option<Arc<Model>> {
+        self.records.model(id, needed_by)
+    }
+
+    /// The shape of a Setup record (0x02…), or of a GfxObj (0x01…) as a setup of one part.
+    pub fn shape(&self, id: u32, needed_by: u32) -> Option<Arc<Shape>> {
+        self.records.shape(id, needed_by)
+    }
+
+    /// Reads and parses a portal record that `needed_by` refers to; problems are reported and answer `None`.
+    pub(crate) fn parse<T>(
+        &self,
+        store: Store,
+        id: u32,
+        needed_by: u32,
+        parse: impl FnOnce(u32, &[u8]) -> Result<T, record::RecordError>,
+    ) -> Option<T> {
+        self.records.parse(store, id, needed_by, parse)
+    }
+}
+
+/// What a [`crate::CellManager`] does to its world.
+impl World {
+    pub(crate) fn records(&self) -> &Arc<Records> {
+        &self.records
+    }
+
+    /// From now on nothing loads when it is touched. Returns the blocks that were loaded.
+    pub(crate) fn stop_loading_on_touch(&mut self) -> Vec<BoxedBlock> {
+        self.loads_on_touch = false;
+        self.blocks
+            .iter_mut()
+            .filter_map(|slot| slot.take().flatten())
+            .collect()
+    }
+
+    /// Makes a block known, or unknown, to physics. Returns what was there.
+    pub(crate) fn set_block(&mut self, id: BlockId, block: Option<Box<Landblock>>) -> Option<Box<Landblock>> {
+        let slot = &mut self.blocks[usize::from(id.0)];
+        let old = slot.take().flatten();
+        if let Some(block) = block {
+            // The slot was emptied above.
+            let _ = slot.set(Some(block));
         }
+        old
+    }
+
+    pub(crate) fn block_mut(&mut self, id: BlockId) -> Option<&mut Landblock> {
+        self.blocks[usize::from(id.0)].get_mut()?.as_deref_mut()
+    }
+
+    /// Blocks of the landscape window that physics does not know.
+    pub(crate) fn distant(&mut self) -> &mut BTreeMap<BlockId, Box<Landblock>> {
+        &mut self.distant
     }
 }
 

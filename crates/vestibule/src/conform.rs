@@ -12,29 +12,58 @@
 //! # Ok::<(), conform::ConformError>(())
 //! ```
 
+mod body_input;
 mod case;
 mod look_ups;
+mod moves;
 mod report;
+mod visible;
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde_json::Value;
+use vestibule_physics::{Population, Scratch};
+use vestibule_view::{Openings, PView};
 use vestibule_world::World;
 
+pub use body_input::BodyInput;
 pub use case::{Case, ConformError, read_folder};
 pub use report::{Difference, FieldDifference, OpReport, Report};
 
 use crate::open::open_world;
 
+/// A world to run cases on, with working memory for them.
+struct Stage {
+    world: World,
+    openings: Openings,
+    pview: PView,
+    population: Population,
+    scratch: Scratch,
+}
+
+impl Stage {
+    fn new(world: World) -> Self {
+        Stage {
+            world,
+            openings: Openings::new(),
+            pview: PView::default(),
+            population: Population::new(),
+            scratch: Scratch::new(),
+        }
+    }
+}
+
 /// What an operation answers to one case: where it differs from what is expected.
-type Check = fn(&World, &Case) -> Result<Vec<FieldDifference>, serde_json::Error>;
+type Check = fn(&mut Stage, &Case) -> Result<Vec<FieldDifference>, serde_json::Error>;
 
 /// The operations that can be run, in the order of reports.
 const OPS: &[(&str, Check)] = &[
     ("find_cell_list", look_ups::find_cell_list),
     ("point_in_cell", look_ups::point_in_cell),
     ("terrain_z", look_ups::terrain_z),
+    ("sweep", moves::sweep_case),
+    ("walk", moves::walk_case),
+    ("visible", visible::visible),
 ];
 
 /// Names of the operations that can be run, in the order of reports.
@@ -47,25 +76,24 @@ pub fn supported_ops() -> impl Iterator<Item = &'static str> {
 /// # Errors
 /// A world cannot be opened, or a case's input has not the form of its operation.
 pub fn run(folder: &Path, cases: &[Case], progress: &mut dyn FnMut(u64)) -> Result<Report, ConformError> {
-    let mut worlds: BTreeMap<&str, World> = BTreeMap::new();
+    let mut stage: Option<(&str, Stage)> = None;
     let mut report = Report::default();
     for (done, case) in (1..).zip(cases) {
         let Some(&(_, check)) = OPS.iter().find(|(name, _)| *name == case.op) else {
             report.of(&case.op).unsupported += 1;
             continue;
         };
-        if !worlds.contains_key(case.world.as_str()) {
+        // Cases come world by world: one at a time is enough in memory.
+        if stage.as_ref().is_none_or(|(name, _)| *name != case.world) {
             let path = folder.join("worlds").join(&case.world);
             let world = open_world(Some(&path)).map_err(|source| ConformError::World {
                 name: case.world.clone(),
                 source: Box::new(source),
             })?;
-            // Cases come world by world: one at a time is enough in memory.
-            worlds.clear();
-            worlds.insert(&case.world, world);
+            stage = Some((&case.world, Stage::new(world)));
         }
-        let Some(world) = worlds.get(case.world.as_str()) else { continue };
-        let fields = check(world, case).map_err(|source| case.bad(source))?;
+        let Some((_, stage)) = &mut stage else { continue };
+        let fields = check(stage, case).map_err(|source| case.bad(source))?;
         report.count(case, fields);
         progress(done);
     }
@@ -76,14 +104,21 @@ pub fn run(folder: &Path, cases: &[Case], progress: &mut dyn FnMut(u64)) -> Resu
 /// Compares two values exactly and notes a difference.
 fn exactly(out: &mut Vec<FieldDifference>, field: &str, expected: Value, actual: Value) {
     if expected != actual {
-        out.push(FieldDifference { field: field.to_owned(), expected, actual });
+        out.push(FieldDifference {
+            field: field.to_owned(),
+            expected,
+            actual,
+        });
     }
 }
 
 /// Compares numbers within a tolerance and notes a difference.
 fn within(out: &mut Vec<FieldDifference>, field: &str, expected: &[f32], actual: &[f32], tolerance: f32) {
     let close = expected.len() == actual.len()
-        && expected.iter().zip(actual).all(|(a, b)| (a - b).abs() <= tolerance);
+        && expected
+            .iter()
+            .zip(actual)
+            .all(|(a, b)| (a - b).abs() <= tolerance);
     if !close {
         out.push(FieldDifference {
             field: field.to_owned(),

@@ -6,9 +6,6 @@ use std::sync::Arc;
 use vestibule_dat::DatSet;
 use vestibule_world::{World, WorldError};
 
-const PORTAL: &[u8] = include_bytes!("../assets/cottage/client_portal.dat");
-const CELL: &[u8] = include_bytes!("../assets/cottage/client_cell_1.dat");
-
 /// Name of the built-in world in messages.
 pub const EMBEDDED_NAME: &str = "the embedded world";
 
@@ -22,6 +19,9 @@ pub enum OpenError {
     /// The files do not make a world.
     #[error(transparent)]
     World(#[from] WorldError),
+    /// The built-in scene does not compile: a fault of this library.
+    #[error("the embedded world does not compile: {0}")]
+    Embedded(#[from] vestibule_forge::Diagnostics),
 }
 
 /// The DAT files of `folder`, or those of the embedded world.
@@ -37,7 +37,7 @@ pub enum OpenError {
 pub fn open_dats(folder: Option<&Path>) -> Result<Arc<DatSet>, OpenError> {
     let dats = match folder {
         Some(folder) => DatSet::open(folder)?,
-        None => DatSet::from_bytes(PORTAL, CELL)?,
+        None => vestibule_forge::embedded_world()?.dat_set()?,
     };
     Ok(Arc::new(dats))
 }
@@ -45,11 +45,11 @@ pub fn open_dats(folder: Option<&Path>) -> Result<Arc<DatSet>, OpenError> {
 /// The world of the DAT files of `folder`, or the embedded world. Landblocks load when they are first touched.
 ///
 /// ```
-/// use vestibule::world::CellId;
+/// use vestibule::world::BlockId;
 ///
 /// let world = vestibule::open_world(None)?;
-/// let cottage = world.env_cell(CellId(0xA9B4_0100)).expect("the embedded world has a cottage");
-/// assert!(cottage.seen_outside);
+/// let village = world.block(BlockId(0xA9B4)).expect("the embedded world has a village");
+/// assert!(!village.buildings.is_empty());
 /// # Ok::<(), vestibule::OpenError>(())
 /// ```
 ///

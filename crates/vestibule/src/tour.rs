@@ -11,15 +11,17 @@ use serde::Serialize;
 use vestibule_dat::{DatSet, RecordKind};
 use vestibule_world::{BlockId, CellId, PortalTarget, Position, World};
 
-use crate::route::{self, Opening, PortalId};
+use crate::route::{self, Opening, PortalId, Steer, Steering};
 use crate::walker::{Footing, TICK, Walker};
 
 /// Length of a step, metres.
 pub const STEP: f32 = 0.05;
-/// Ticks without progress after which a way is given up.
-const STUCK_TICKS: u32 = 15;
-/// How near a point of the route counts as there, metres.
-const NEAR: f32 = 0.04;
+/// Ticks that a fall may take.
+const FALL_TICKS: u32 = 450;
+/// Speed of a jump off an edge, m/s: upwards, and over the ground.
+const JUMP: (f32, f32) = (2.0, 2.5);
+/// Openings higher than this above the floor are windows, metres: a little more than a player steps up.
+const REACH: f32 = 0.65;
 
 /// What a tour does.
 #[derive(Clone, Debug)]
@@ -36,7 +38,12 @@ pub struct TourOptions {
 
 impl Default for TourOptions {
     fn default() -> Self {
-        TourOptions { start: None, radius: 1, stand_ticks: 100, max_steps: 3_000_000 }
+        TourOptions {
+            start: None,
+            radius: 1,
+            stand_ticks: 100,
+            max_steps: 3_000_000,
+        }
     }
 }
 
@@ -113,8 +120,12 @@ pub struct TourSummary {
     pub env_cells_connected: usize,
     /// Land cells entered.
     pub land_cells: usize,
-    /// Changes of cell.
+    /// Changes of cell, teleports left out.
     pub transitions: usize,
+    /// Drops taken: openings that lead down and not up again.
+    pub falls: usize,
+    /// Times the player was put back to where a drop or a way without return began.
+    pub teleports: usize,
     /// Of these, through openings.
     pub through_portals: usize,
     /// Doorways stood in.
@@ -133,7 +144,9 @@ pub struct TourSummary {
     pub seconds: f32,
     /// Connected env cells that were not entered.
     pub not_entered: Vec<String>,
-    /// Openings not walked through: windows, drops, things in the way.
+    /// Windows and hatches that no floor, stair or ground comes near to: not tried.
+    pub out_of_reach: usize,
+    /// Openings not walked through: drops that cannot be taken, things in the way.
     pub not_passed: Vec<Unpassed>,
     /// Entrances that no way over land was found to.
     pub unreached_entrances: Vec<Unpassed>,
@@ -160,11 +173,15 @@ pub struct Tour<'w, 'o> {
     on_change: &'o mut dyn FnMut(&Change),
     on_step: &'o mut dyn FnMut(usize),
     footing: Footing,
+    /// Where the player last was before it entered a building.
+    outside: Footing,
     trail: Vec<TrailStep>,
     summary: TourSummary,
     entered: BTreeSet<CellId>,
     stood_in: BTreeSet<(CellId, CellId)>,
     done: BTreeSet<PortalId>,
+    visited: BTreeSet<CellId>,
+    drops: Vec<(Footing, Opening)>,
 }
 
 impl<'w, 'o> Tour<'w, 'o> {
@@ -193,11 +210,17 @@ impl<'w, 'o> Tour<'w, 'o> {
             on_change,
             on_step,
             footing,
+            outside: footing,
             trail: Vec::new(),
-            summary: TourSummary { start: short(&footing.at), ..TourSummary::default() },
+            summary: TourSummary {
+                start: short(&footing.at),
+                ..TourSummary::default()
+            },
             entered: BTreeSet::new(),
             stood_in: BTreeSet::new(),
             done: BTreeSet::new(),
+            visited: BTreeSet::new(),
+            drops: Vec::new(),
         };
         tour.record(false);
         if footing.at.cell.is_indoor() {
@@ -230,6 +253,11 @@ impl<'w, 'o> Tour<'w, 'o> {
                 continue;
             }
             self.done.insert(opening.id);
+            if window_from_outside(self.walker.world(), &opening) {
+                self.summary.out_of_reach += 1;
+                continue;
+            }
+            self.outside = self.footing;
             let way = route::in_through(&mut self.walker, &self.footing, &opening);
             let passed = way.is_some_and(|way| self.follow(&way, |cell| cell == opening.id.cell));
             if !passed {
@@ -237,30 +265,59 @@ impl<'w, 'o> Tour<'w, 'o> {
                 self.summary.unreached_entrances.push(unpassed);
                 continue;
             }
+            let outside = self.outside;
             self.visit(opening.id.cell);
             let back = route::out_through(&mut self.walker, &self.footing, &opening);
             if !back.is_some_and(|way| self.follow(&way, |cell| !cell.is_indoor())) {
-                self.end(format!("no way back out of {}", opening.id.cell));
+                self.teleport(outside);
             }
         }
     }
 
-    /// Goes through every opening of a cell and of what is behind it, and comes back into the cell.
+    /// Goes through every opening of a cell and of what is behind it, and comes back into the cell; then down the drops
+    /// that were passed by.
     fn visit(&mut self, cell: CellId) {
+        self.visit_on_foot(cell);
+        while let Some((footing, opening)) = self.drops.pop() {
+            if self.summary.ended_early.is_some() {
+                return;
+            }
+            let PortalTarget::Cell(below) = opening.to else {
+                continue;
+            };
+            if self.visited.contains(&below) {
+                continue;
+            }
+            self.teleport(footing);
+            if self.drop_through(&opening) {
+                self.summary.falls += 1;
+                self.visit_on_foot(self.footing.at.cell);
+            } else {
+                let unpassed = self.unpassed(&opening);
+                self.summary.not_passed.push(unpassed);
+            }
+        }
+    }
+
+    fn visit_on_foot(&mut self, cell: CellId) {
         struct Level {
             openings: Vec<Opening>,
-            way_in: Option<Opening>,
+            /// The opening by which the cell was entered, and where the player stood before it.
+            way_in: Option<(Opening, Footing)>,
         }
-        let mut visited = BTreeSet::from([cell]);
-        let mut levels = vec![Level { openings: self.openings_of(cell), way_in: None }];
+        self.visited.insert(cell);
+        let mut levels = vec![Level {
+            openings: self.openings_of(cell),
+            way_in: None,
+        }];
         self.to_the_middle(cell);
         while self.summary.ended_early.is_none() {
             let Some(level) = levels.last_mut() else { break };
             let Some(opening) = level.openings.pop() else {
                 // Everything here is done: back through the opening by which the cell was entered.
                 let way_in = levels.pop().and_then(|level| level.way_in);
-                if let Some(opening) = way_in {
-                    self.back_through(&opening);
+                if let Some((opening, before)) = way_in {
+                    self.back_through(&opening, before);
                 }
                 continue;
             };
@@ -269,25 +326,129 @@ impl<'w, 'o> Tour<'w, 'o> {
             }
             self.done.insert(opening.id);
             self.done.extend(opening.opposite);
-            let way = route::out_through(&mut self.walker, &self.footing, &opening);
+            let before = self.footing;
+            if out_of_reach(&opening, &before) && !self.may_climb_to(&opening) {
+                self.summary.out_of_reach += 1;
+                continue;
+            }
+            let way = route::out_through(&mut self.walker, &before, &opening);
             let to = opening.to;
             let arrived = move |cell: CellId| match to {
                 PortalTarget::Outside => !cell.is_indoor(),
                 PortalTarget::Cell(other) => cell == other,
             };
             if !way.is_some_and(|way| self.follow(&way, arrived)) {
-                self.return_to(opening.id.cell);
-                let unpassed = self.unpassed(&opening);
-                self.summary.not_passed.push(unpassed);
+                if self.footing.at.cell != before.at.cell {
+                    self.teleport(before);
+                }
+                match opening.to {
+                    PortalTarget::Cell(other)
+                        if !self.visited.contains(&other) && !out_of_reach(&opening, &before) =>
+                    {
+                        self.drops.push((before, opening));
+                    }
+                    _ => {
+                        let unpassed = self.unpassed(&opening);
+                        self.summary.not_passed.push(unpassed);
+                    }
+                }
                 continue;
             }
             match opening.to {
-                PortalTarget::Cell(other) if visited.insert(other) => {
+                PortalTarget::Cell(other) if self.visited.insert(other) => {
                     self.to_the_middle(other);
-                    levels.push(Level { openings: self.openings_of(other), way_in: Some(opening) });
+                    let way_in = Some((opening, before));
+                    levels.push(Level {
+                        openings: self.openings_of(other),
+                        way_in,
+                    });
                 }
-                _ => self.back_through(&opening),
+                _ => self.back_through(&opening, before),
             }
+        }
+    }
+
+    /// Whether the cell has a floor within a step of the opening, at the opening's place.
+    fn may_climb_to(&self, opening: &Opening) -> bool {
+        let Some(cell) = self.walker.world().env_cell(opening.id.cell) else {
+            return false;
+        };
+        let structure = &cell.structure;
+        let Some(physics) = &structure.physics else {
+            return false;
+        };
+        let lowest = lowest(opening);
+        // A stair or a ramp that comes up to the opening has a walkable face that high.
+        physics.faces().iter().any(|face| {
+            let normal = cell.frame.local_to_global_vec(face.plane.normal);
+            let corners = physics
+                .edges(face)
+                .iter()
+                .map(|edge| cell.frame.local_to_global(edge.start));
+            let near = |c: Vec3| {
+                opening
+                    .corners
+                    .iter()
+                    .any(|o| o.truncate().distance(c.truncate()) < 1.5)
+            };
+            let mut corners = corners.into_iter();
+            normal.z >= vestibule_world::constants::FLOOR_Z
+                && corners.any(|c| c.z > lowest - REACH && near(c))
+        })
+    }
+
+    /// Over an edge: walks towards the middle of an opening, jumps where the ground ends, and falls. Says whether the
+    /// player came to rest in another cell.
+    fn drop_through(&mut self, opening: &Opening) -> bool {
+        let from = self.footing.at.cell;
+        let mut stuck = 0;
+        let mut jumped = 0;
+        let offset = self.walker.local(opening.id.cell.block(), Vec3::ZERO);
+        let middle = (opening.middle - offset).truncate();
+        let mut heading = Vec2::ZERO;
+        for _ in 0..FALL_TICKS {
+            let here = self.walker.point(&self.footing.at).truncate();
+            let left = middle - here;
+            if left.length() > 2.0 * STEP {
+                heading = left.normalize_or_zero();
+            }
+            let standing = self.footing.is_standing();
+            if standing && self.footing.at.cell != from {
+                return !self.visited.contains(&self.footing.at.cell);
+            }
+            let pace = if standing { STEP } else { JUMP.1 * TICK };
+            // Over a hole in the floor straight down; through an upright opening on and on.
+            let onward = !opening.is_flat() || left.length() > 2.0 * STEP;
+            if !self.tick(if onward { heading * pace } else { Vec2::ZERO }) {
+                return false;
+            }
+            let moved = self.walker.point(&self.footing.at).truncate().distance(here);
+            stuck = if standing && moved < 0.2 * STEP {
+                stuck + 1
+            } else {
+                0
+            };
+            if stuck >= 5 {
+                jumped += 1;
+                stuck = 0;
+                if jumped > 3 {
+                    return false;
+                }
+                self.footing = self.walker.jump(&self.footing, JUMP.0);
+            }
+        }
+        false
+    }
+
+    /// Puts the player back to where it has been.
+    fn teleport(&mut self, to: Footing) {
+        let before = self.footing;
+        self.footing = to;
+        self.summary.teleports += 1;
+        self.record(false);
+        if before.at.cell != to.at.cell {
+            let change = self.change(&before, "teleport".to_owned(), false, false);
+            (self.on_change)(&change);
         }
     }
 
@@ -300,33 +461,14 @@ impl<'w, 'o> Tour<'w, 'o> {
         out
     }
 
-    /// Back into the cell that the opening belongs to.
-    fn back_through(&mut self, opening: &Opening) {
+    /// Back into the cell that the opening belongs to; put back to `before` where there is no way.
+    fn back_through(&mut self, opening: &Opening, before: Footing) {
         let own = opening.id.cell;
         let way = route::in_through(&mut self.walker, &self.footing, opening);
-        if !way.is_some_and(|way| self.follow(&way, |cell| cell == own)) {
-            self.end(format!("no way back through portal {} of {own}", opening.id.portal));
+        if !way.is_some_and(|way| self.follow(&way, |cell| cell == own)) && self.summary.ended_early.is_none()
+        {
+            self.teleport(before);
         }
-    }
-
-    /// After a way that failed half-way: into the cell it began in, if the player has left it.
-    fn return_to(&mut self, cell: CellId) {
-        if self.footing.at.cell == cell {
-            return;
-        }
-        let here = self.footing.at.cell;
-        let ways: Vec<Opening> = route::openings(self.walker.world(), cell);
-        let leads_here = |o: &&Opening| match o.to {
-            PortalTarget::Cell(other) => other == here,
-            PortalTarget::Outside => !here.is_indoor(),
-        };
-        for opening in ways.iter().filter(leads_here) {
-            let way = route::in_through(&mut self.walker, &self.footing, opening);
-            if way.is_some_and(|way| self.follow(&way, |c| c == cell)) {
-                return;
-            }
-        }
-        self.end(format!("no way back into {cell}"));
     }
 
     /// Some steps into a cell, towards the middle of its floor, if nothing is in the way.
@@ -344,46 +486,46 @@ impl<'w, 'o> Tour<'w, 'o> {
         if here.distance(middle.truncate()) < 0.5 {
             return;
         }
-        let fits = self.walker.straight(&self.footing, middle.truncate());
-        if fits.is_some_and(|end| end.at.cell == id) {
+        if self
+            .walker
+            .straight(&self.footing, middle.truncate(), &|cell| cell == id)
+            .is_some()
+        {
             self.follow(&[middle.truncate()], |cell| cell == id);
         }
     }
 
     /// Walks a way in steps. Says whether it ended in a cell that `arrived` accepts.
     fn follow(&mut self, way: &[Vec2], arrived: impl Fn(CellId) -> bool) -> bool {
-        for &point in way {
-            let mut stuck = 0;
-            loop {
-                let here = self.walker.point(&self.footing.at).truncate();
-                let left = point - here;
-                if left.length() <= NEAR {
-                    break;
-                }
-                if !self.tick(left.clamp_length_max(STEP)) {
-                    return false;
-                }
-                let moved = self.walker.point(&self.footing.at).truncate().distance(here);
-                stuck = if moved < 0.2 * STEP { stuck + 1 } else { 0 };
-                if stuck >= STUCK_TICKS {
-                    return false;
+        let mut steering = Steering::new(way, STEP);
+        loop {
+            let here = self.walker.point(&self.footing.at).truncate();
+            match steering.next(here, arrived(self.footing.at.cell)) {
+                Steer::Arrived => return true,
+                Steer::Lost => return false,
+                Steer::Go(offset) => {
+                    if !self.tick(offset) {
+                        return false;
+                    }
                 }
             }
         }
-        arrived(self.footing.at.cell)
     }
 
     /// One step; in a doorway that is new the player then stands still. `false` when the tour is over.
     fn tick(&mut self, offset: Vec2) -> bool {
         let before = self.footing;
         self.footing = self.walker.step(&before, offset);
-        self.summary.metres += self.walker.point(&before.at).distance(self.walker.point(&self.footing.at));
+        self.summary.metres += self
+            .walker
+            .point(&before.at)
+            .distance(self.walker.point(&self.footing.at));
         self.record(false);
         let (from, to) = (before.at.cell, self.footing.at.cell);
         if from != to {
             let portal = self.changed(&before, false);
             let pair = if from < to { (from, to) } else { (to, from) };
-            if portal && self.stood_in.insert(pair) {
+            if portal && self.footing.is_standing() && self.stood_in.insert(pair) {
                 self.stand();
             }
         }
@@ -420,17 +562,21 @@ impl<'w, 'o> Tour<'w, 'o> {
         });
         self.summary.transitions += 1;
         self.summary.through_portals += usize::from(portal);
-        let change = Change {
+        let change = self.change(before, by, portal, standing);
+        (self.on_change)(&change);
+        portal
+    }
+
+    fn change(&self, before: &Footing, by: String, portal: bool, standing: bool) -> Change {
+        Change {
             t: self.time(),
             position: short(&self.footing.at),
-            from: from.to_string(),
-            to: to.to_string(),
+            from: before.at.cell.to_string(),
+            to: self.footing.at.cell.to_string(),
             by,
             portal,
             standing,
-        };
-        (self.on_change)(&change);
-        portal
+        }
     }
 
     fn time(&self) -> f32 {
@@ -441,7 +587,12 @@ impl<'w, 'o> Tour<'w, 'o> {
         let at = &self.footing.at;
         self.entered.insert(at.cell);
         let t = self.trail.len() as f32 * TICK;
-        self.trail.push(TrailStep { t, cell: at.cell, pos: at.origin(), standing });
+        self.trail.push(TrailStep {
+            t,
+            cell: at.cell,
+            pos: at.origin(),
+            standing,
+        });
         (self.on_step)(self.trail.len());
         if self.trail.len() > self.options.max_steps {
             self.end(format!("{} steps are enough", self.options.max_steps));
@@ -501,6 +652,34 @@ impl<'w, 'o> Tour<'w, 'o> {
     }
 }
 
+/// Height of an opening's lowest corner in the frame of its landblock, metres.
+fn lowest(opening: &Opening) -> f32 {
+    opening.corners.iter().map(|c| c.z).fold(f32::INFINITY, f32::min)
+}
+
+/// Whether an opening lies higher than one could step.
+fn out_of_reach(opening: &Opening, from: &Footing) -> bool {
+    lowest(opening) > from.at.origin().z + REACH
+}
+
+/// Whether the ground before an opening lies too low to step in.
+fn window_from_outside(world: &World, opening: &Opening) -> bool {
+    let front = opening.middle + opening.outward.with_z(0.0).normalize_or_zero() * 0.6;
+    let Some(ground) = world.ground_at(opening.id.cell, front) else {
+        return false;
+    };
+    // A porch or steps of the building's shell may bring one nearer than the ground does.
+    let steps = world.block(opening.id.cell.block()).is_some_and(|block| {
+        block.buildings.iter().any(|b| {
+            b.shape
+                .parts
+                .iter()
+                .any(|p| p.model.as_ref().is_some_and(|m| m.physics.is_some()))
+        })
+    });
+    lowest(opening) > ground.z + if steps { 2.0 * REACH } else { REACH }
+}
+
 /// A position to the centimetre, without rotation.
 fn short(at: &Position) -> String {
     let p = at.origin();
@@ -512,7 +691,10 @@ fn crossed(world: &World, from: CellId, now: &Position) -> Option<String> {
     let to = now.cell;
     let nearest = |openings: Vec<Opening>, leads: &dyn Fn(&Opening) -> bool| {
         let distance = |o: &Opening| route::distance_to(o, to.block(), now.origin());
-        openings.into_iter().filter(leads).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        openings
+            .into_iter()
+            .filter(leads)
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
     };
     let found = match (from.is_indoor(), to.is_indoor()) {
         (true, true) => nearest(route::openings(world, from), &|o| o.to == PortalTarget::Cell(to)),
@@ -564,9 +746,16 @@ fn before_an_entrance(walker: &mut Walker<'_>, block: BlockId) -> Option<Footing
             for turn in [0.0, 0.4, -0.4] {
                 let at = middle + (out + side * turn) * distance;
                 let land = CellId::new(block, 0xFFFF);
-                let Some(ground) = walker.world().ground_at(land, at.extend(0.0)) else { continue };
+                let Some(ground) = walker.world().ground_at(land, at.extend(0.0)) else {
+                    continue;
+                };
                 let place = Position::new(ground.cell, ground.point.truncate().extend(ground.z + 0.01));
-                let Some(footing) = walker.put(&place).filter(|f| !f.at.cell.is_indoor()) else { continue };
+                if is_inside_a_room(walker.world(), &place) {
+                    continue;
+                }
+                let Some(footing) = walker.put(&place).filter(|f| !f.at.cell.is_indoor()) else {
+                    continue;
+                };
                 if route::in_through(walker, &footing, &opening).is_some() {
                     return Some(footing);
                 }
@@ -576,14 +765,31 @@ fn before_an_entrance(walker: &mut Walker<'_>, block: BlockId) -> Option<Footing
     None
 }
 
+/// Whether an outdoor place lies within the walls of a building, where nobody can walk to.
+fn is_inside_a_room(world: &World, place: &Position) -> bool {
+    let center = place.origin() + Vec3::new(0.0, 0.0, crate::locate::PLAYER_SPHERE_CENTERS[0]);
+    let block = world.block(place.cell.block());
+    block.is_some_and(|block| block.env_cells().any(|cell| cell.contains_point(center)))
+}
+
 /// A place in the first env cell of a landblock that one can stand in.
 fn inside(walker: &mut Walker<'_>, block: BlockId) -> Option<Footing> {
     let block = walker.world().block(block)?;
     for cell in block.env_cells().filter(|cell| !cell.portals.is_empty()) {
-        let Some(bounds) = cell.structure.bounds else { continue };
+        let Some(bounds) = cell.structure.bounds else {
+            continue;
+        };
         let bounds = bounds.mapped(|p| cell.frame.local_to_global(p));
         let size = bounds.max - bounds.min;
-        for (u, v) in [(0.5, 0.5), (0.3, 0.3), (0.7, 0.7), (0.3, 0.7), (0.7, 0.3), (0.5, 0.2), (0.2, 0.5)] {
+        for (u, v) in [
+            (0.5, 0.5),
+            (0.3, 0.3),
+            (0.7, 0.7),
+            (0.3, 0.7),
+            (0.7, 0.3),
+            (0.5, 0.2),
+            (0.2, 0.5),
+        ] {
             // From a little above the floor upwards, for floors that are not level.
             for up in [0.02, 0.5, 1.0, 2.0, 4.0] {
                 if up > size.z {

@@ -9,6 +9,8 @@ use vestibule_world::{BlockId, CellId, Position, World, adjust_position};
 pub const TICK: f32 = 1.0 / 30.0;
 /// Acceleration of a body in the air, m/s².
 const GRAVITY: f32 = 9.8;
+/// Falling gets no faster than this, m/s.
+const TERMINAL_SPEED: f32 = 50.0;
 /// Ticks that a placed body gets to come to rest.
 const SETTLE_TICKS: u32 = 300;
 /// Largest change of height along a step of a way that can be walked in both directions, metres: a little less than a
@@ -48,7 +50,13 @@ impl<'w> Walker<'w> {
     /// A walker whose routes are given in the frame of landblock `base`, metres, also beyond its square.
     pub fn new(world: &'w World, base: BlockId) -> Self {
         let (population, scratch) = (Population::new(), Scratch::new());
-        Walker { world, population, scratch, mover: Mover::player(), base }
+        Walker {
+            world,
+            population,
+            scratch,
+            mover: Mover::player(),
+            base,
+        }
     }
 
     /// The world walked in.
@@ -73,10 +81,26 @@ impl<'w> Walker<'w> {
         let unturned = Position::new(position.cell, position.origin());
         let adjusted = adjust_position(self.world, &unturned, low, true).filter(|a| a.resident)?;
         let at = adjusted.position;
-        let placed = place(self.world, &self.population, &mut self.scratch, &self.mover, &at, true, true).ok()?;
+        let placed = place(
+            self.world,
+            &self.population,
+            &mut self.scratch,
+            &self.mover,
+            &at,
+            true,
+            true,
+        )
+        .ok()?;
         let cell = placed.cell.filter(|_| placed.ok)?;
-        let at = Position { cell, ..placed.position };
-        let mut footing = Footing { at, carried: placed.carried(), rise: 0.0 };
+        let at = Position {
+            cell,
+            ..placed.position
+        };
+        let mut footing = Footing {
+            at,
+            carried: placed.carried(),
+            rise: 0.0,
+        };
         for _ in 0..SETTLE_TICKS {
             if footing.is_standing() {
                 return Some(footing);
@@ -94,16 +118,27 @@ impl<'w> Walker<'w> {
         if from.is_standing() {
             next.rise = 0.0;
         } else {
-            next.rise -= GRAVITY * TICK;
+            next.rise = (next.rise - GRAVITY * TICK).max(-TERMINAL_SPEED);
             wanted.z = next.rise * TICK;
         }
         let to = Position::new(from.at.cell, from.at.origin() + wanted);
         let (population, scratch) = (&self.population, &mut self.scratch);
-        let swept = sweep(self.world, population, scratch, &self.mover, &from.carried, &from.at, &to);
+        let swept = sweep(
+            self.world,
+            population,
+            scratch,
+            &self.mover,
+            &from.carried,
+            &from.at,
+            &to,
+        );
         match swept {
             Ok(swept) if swept.ok => {
                 let Some(cell) = swept.cell else { return next };
-                next.at = Position { cell, ..swept.position };
+                next.at = Position {
+                    cell,
+                    ..swept.position
+                };
                 next.carried = swept.carried();
                 next
             }
@@ -111,12 +146,61 @@ impl<'w> Walker<'w> {
         }
     }
 
-    /// Tries to walk straight to a point of the routes' frame. `None` if something is in the way, the ground is left, or
-    /// the way could not be walked back.
-    pub fn straight(&mut self, from: &Footing, to: Vec2) -> Option<Footing> {
+    /// One sweep to a point of the frame of the footing's landblock, as recorded moves are followed.
+    pub fn sweep_to(&mut self, from: &Footing, to: Vec3) -> Footing {
+        let to = Position::new(from.at.cell, to);
+        let (population, scratch) = (&self.population, &mut self.scratch);
+        match sweep(
+            self.world,
+            population,
+            scratch,
+            &self.mover,
+            &from.carried,
+            &from.at,
+            &to,
+        ) {
+            Ok(swept) if swept.ok => match swept.cell {
+                Some(cell) => {
+                    let at = Position {
+                        cell,
+                        ..swept.position
+                    };
+                    Footing {
+                        at,
+                        carried: swept.carried(),
+                        rise: from.rise,
+                    }
+                }
+                None => *from,
+            },
+            _ => *from,
+        }
+    }
+
+    /// The player jumps: it lets go of the ground and rises at `up` m/s, keeping what it slid along.
+    pub fn jump(&self, from: &Footing, up: f32) -> Footing {
+        let carried = Carried {
+            last_known: from.carried.contact,
+            ..Carried::default()
+        };
+        Footing {
+            carried,
+            rise: up,
+            ..*from
+        }
+    }
+
+    /// Tries to walk straight to a point of the routes' frame. `None` if something is in the way, the ground is left, a
+    /// cell is entered that is not `allowed`, or the way could not be walked back.
+    pub fn straight(
+        &mut self,
+        from: &Footing,
+        to: Vec2,
+        allowed: &dyn Fn(CellId) -> bool,
+    ) -> Option<Footing> {
         let mut now = *from;
         let far = to.distance(self.point(&now.at).truncate());
-        let most = (far / TRIAL_STEP) as u32 + 4;
+        let most = (far / TRIAL_STEP) as u32 * 4 + 8;
         for _ in 0..most {
             let here = self.point(&now.at);
             let left = to - here.truncate();
@@ -126,9 +210,12 @@ impl<'w> Walker<'w> {
             let offset = left.clamp_length_max(TRIAL_STEP);
             let next = self.step(&now, offset);
             let there = self.point(&next.at);
-            let off_course = there.truncate().distance(here.truncate() + offset);
-            let rise = there.z - here.z;
-            if off_course > 0.25 * offset.length() + 0.01 || !next.is_standing() || rise.abs() > MAX_RISE {
+            let (gone, rise) = (there.truncate() - here.truncate(), there.z - here.z);
+            // On a slope a step covers less ground; a wall or a pillar turns it aside.
+            let ahead = gone.dot(offset) / offset.length();
+            let aside = gone.perp_dot(offset).abs() / offset.length();
+            let astray = ahead < 0.25 * offset.length() || aside > 0.2 * offset.length() + 0.005;
+            if astray || !next.is_standing() || rise.abs() > MAX_RISE || !allowed(next.at.cell) {
                 return None;
             }
             now = next;

@@ -1,9 +1,9 @@
 //! Writing a whole file in canonical form (`dat-format.md` 5.1, 5.4 W1, W6, W7).
 
-use super::chain::Geometry;
+use super::chain_writer::ChainWriter;
 use super::compress::deflate;
 use super::dat_file::DatFile;
-use super::header::{DATA_START, DatKind, Header, MAX_OFFSET, MAX_WRITE_BLOCK, TRANSACTION_CLEAN};
+use super::header::{DATA_START, DatKind, Header, MAX_WRITE_BLOCK, TRANSACTION_CLEAN};
 use super::iteration::{ITERATION_ID, IterationRecord};
 use super::node::{Entry, MAX_ENTRIES, node_bytes};
 use super::storage::{NewFile, Storage};
@@ -42,7 +42,7 @@ pub struct WriteOptions {
 /// ```
 pub struct DatBuilder<S: Storage> {
     name: String,
-    out: Appender<S>,
+    out: ChainWriter<S>,
     header: Header,
     entries: Vec<Entry>,
     iteration: Iteration,
@@ -116,7 +116,7 @@ impl<S: Storage> DatBuilder<S> {
             return Err(Error::new(name, "block_size", ErrorKind::BadBlockSize(size)));
         }
         Ok(DatBuilder {
-            out: Appender::new(storage, u64::from(DATA_START), size as u32),
+            out: ChainWriter::new(storage, size as u32, u64::from(DATA_START)),
             name,
             header,
             entries: Vec::new(),
@@ -207,8 +207,7 @@ impl<S: Storage> DatBuilder<S> {
             self.header.final_free,
             self.header.free_count,
         ) = (0, 0, 0);
-        self.out.flush().map_err(io)?;
-        let mut storage = self.out.storage;
+        let (mut storage, _) = self.out.finish().map_err(io)?;
         if let Iteration::AddedAt(block) = self.iteration {
             let bytes = IterationRecord::complete(self.total).bytes();
             storage.write_at(u64::from(block) + 4, &bytes).map_err(io)?;
@@ -271,7 +270,7 @@ pub(crate) fn default_version(id: u32) -> u16 {
 }
 
 /// Writes the tree of W7 bottom-up and gives the offset of its root.
-fn write_tree<S: Storage>(out: &mut Appender<S>, entries: Vec<Entry>) -> Result<u32, Fault> {
+fn write_tree<S: Storage>(out: &mut ChainWriter<S>, entries: Vec<Entry>) -> Result<u32, Fault> {
     let mut entries = entries;
     let mut children: Vec<u32> = Vec::new();
     loop {
@@ -303,69 +302,6 @@ fn level_sizes(n: usize) -> Vec<usize> {
     let rest = n - (nodes - 1) - MAX_ENTRIES * (nodes - 2);
     sizes.extend([rest.div_ceil(2), rest / 2]);
     sizes
-}
-
-/// Appends chains whose blocks follow each other, in large writes.
-struct Appender<S: Storage> {
-    storage: S,
-    block_size: u32,
-    /// Where `buffer` goes.
-    at: u64,
-    buffer: Vec<u8>,
-}
-
-/// Bytes of one write.
-const WRITE: usize = 1 << 20;
-
-impl<S: Storage> Appender<S> {
-    fn new(storage: S, at: u64, block_size: u32) -> Self {
-        Appender {
-            storage,
-            block_size,
-            at,
-            buffer: Vec::with_capacity(WRITE + block_size as usize),
-        }
-    }
-
-    fn end(&self) -> u64 {
-        self.at + self.buffer.len() as u64
-    }
-
-    /// Appends the chain of `bytes` and gives its offset.
-    fn chain(&mut self, bytes: &[u8]) -> Result<u32, Fault> {
-        let start = self.end();
-        let full = |_| Fault::new("size", ErrorKind::FileFull);
-        let geometry = Geometry {
-            block_size: self.block_size,
-            file_size: MAX_OFFSET,
-        };
-        let blocks = geometry.blocks_for(u32::try_from(bytes.len()).map_err(full)?);
-        if start + u64::from(blocks) * u64::from(self.block_size) > MAX_OFFSET {
-            return Err(Fault::new("size", ErrorKind::FileFull));
-        }
-        let mut rest = bytes;
-        for block in 1..=blocks {
-            let next = start as u32 + block * self.block_size;
-            let link = if block < blocks { next } else { 0 };
-            let (own, after) = rest.split_at(rest.len().min(geometry.payload() as usize));
-            self.buffer.extend_from_slice(&link.to_le_bytes());
-            self.buffer.extend_from_slice(own);
-            self.buffer
-                .resize(self.buffer.len() + geometry.payload() as usize - own.len(), 0);
-            rest = after;
-            if self.buffer.len() >= WRITE {
-                self.flush().map_err(|e| Fault::at(self.at, "file", e.into()))?;
-            }
-        }
-        Ok(start as u32)
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        self.storage.write_at(self.at, &self.buffer)?;
-        self.at += self.buffer.len() as u64;
-        self.buffer.clear();
-        Ok(())
-    }
 }
 
 /// Writes the file at `path` anew without gaps, free blocks or slack, and puts it in place of the old one (W1).

@@ -1,22 +1,24 @@
 //! Editing a file in place, so that it is wholly old or wholly new at any moment (`dat-format.md` 5.4 W2 to W6).
 
 use super::builder::{DatBuilder, WriteOptions, default_version};
-use super::chain::{FREE, Geometry, ReadAt, walk_chain};
+use super::chain::{Geometry, ReadAt, walk_chain};
+use super::chain_writer::ChainWriter;
 use super::compress::{deflate, inflate};
-use super::free_list::{Used, links, read_free_list};
 use super::header::{
-    DATA_START, HEADER_SIZE, Header, INFO_OFFSET, MAX_OFFSET, MAX_WRITE_BLOCK, TRANSACTION_CLEAN,
-    TRANSACTION_OFFSET,
+    DATA_START, HEADER_SIZE, Header, MAX_OFFSET, MAX_WRITE_BLOCK, TRANSACTION_CLEAN, TRANSACTION_OFFSET,
 };
 use super::iteration::{ITERATION_ID, IterationRecord};
 use super::node::{Entry, NODE_SIZE, node_bytes};
-use super::scan::scan;
 use super::storage::{FileStorage, Storage};
 use super::tree::{Origin, Tree};
 use super::window::Window;
 use crate::error::{Error, ErrorKind, Fault, Limits, Result};
 use std::collections::BTreeMap;
 use std::path::Path;
+
+mod freeing;
+
+pub use freeing::CloseReport;
 
 /// How a [`DatEditor`] works.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -26,17 +28,6 @@ pub struct EditOptions {
     pub reuse_free: bool,
     /// Edits also files that are incompletely patched (V2) and lets older iterations replace newer ones (V4).
     pub force: bool,
-}
-
-/// What [`DatEditor::close`] did with the blocks that edits have replaced.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct CloseReport {
-    /// Blocks that were added to the free list.
-    pub freed: usize,
-    /// The free list was broken and has been made anew from all that is not in use (R4).
-    pub rebuilt: bool,
-    /// The tree is damaged somewhere, so nobody can tell what is free: the blocks were left alone.
-    pub damaged: bool,
 }
 
 /// Edits a DAT file in place, one batch after the other.
@@ -372,7 +363,9 @@ impl<S: Storage> DatEditor<S> {
         }
 
         let reusable = self.take_free_blocks()?;
-        let mut out = BatchWriter::new(&mut self.storage, &self.header, reusable);
+        let (size, block_size) = (u64::from(self.header.file_size), self.header.block_size as u32);
+        let mut out = ChainWriter::new(&mut self.storage, block_size, size).into_free_blocks(reusable);
+        out.fill_to(next_block(&self.header));
         for (id, stored) in &self.pending {
             let offset = out.chain(stored)?;
             self.tree.set_offset(*id, offset);
@@ -380,7 +373,8 @@ impl<S: Storage> DatEditor<S> {
         let root = self
             .tree
             .write(|entries, children| out.chain(&node_bytes(entries, children)))?;
-        let (end, mut left_over) = out.finish().map_err(io("file"))?;
+        let end = out.end();
+        let (_, mut left_over) = out.finish().map_err(io("file"))?;
         self.storage.sync().map_err(io("file"))?;
 
         if let Some(mut rest) = self.free.take() {
@@ -406,161 +400,6 @@ impl<S: Storage> DatEditor<S> {
         }
         self.to_free.append(&mut replaced);
         Ok(())
-    }
-
-    /// W4: blocks that this batch may write into; the header no longer lists them.
-    fn take_free_blocks(&mut self) -> Result<Vec<u32>, Fault> {
-        if !self.options.reuse_free {
-            return Ok(Vec::new());
-        }
-        let mut free = match self.free.take() {
-            Some(free) => free,
-            None => self.checked_free_list()?.0.unwrap_or_default(),
-        };
-        let g = Geometry::of(&self.header);
-        let records: u64 = self
-            .pending
-            .values()
-            .map(|b| u64::from(g.blocks_for(b.len() as u32)))
-            .sum();
-        // Every node that is loaded may be written: more than enough, what is over goes back on the list.
-        let nodes = self.tree.nodes.len() as u64 * u64::from(g.blocks_for(NODE_SIZE as u32));
-        let wanted = usize::try_from(records + nodes)
-            .unwrap_or(usize::MAX)
-            .min(free.len());
-        let rest = free.split_off(wanted);
-        self.set_free_list(&rest);
-        self.free = Some(rest);
-        if wanted > 0 {
-            self.write_info().map_err(|e| Fault::new("header", e.into()))?;
-        }
-        Ok(free)
-    }
-
-    fn set_free_list(&mut self, free: &[u32]) {
-        self.header.first_free = free.first().copied().unwrap_or(0) as i32;
-        self.header.final_free = free.last().copied().unwrap_or(0) as i32;
-        self.header.free_count = free.len() as i32;
-    }
-
-    /// Writes the 80 bytes that commit, and flushes (C2).
-    fn write_info(&mut self) -> std::io::Result<()> {
-        self.storage
-            .write_at(INFO_OFFSET as u64, &self.header.info_bytes())?;
-        self.storage.sync()
-    }
-
-    /// R4: the free list if it is good, else one made anew from everything that is not in use and written out. `None` for a
-    /// list if the tree is damaged. Also gives what is in use and whether the list was made anew.
-    fn checked_free_list(&mut self) -> Result<(Option<Vec<u32>>, Used, bool), Fault> {
-        let window = Window::large(&self.storage);
-        let scan = scan(&window, &self.header, |_, _| ());
-        let used = Used::of(&scan, self.header.block_size as u32);
-        if !scan.faults.is_empty() {
-            return Ok((None, used, false));
-        }
-        if let Ok(free) = read_free_list(&window, &self.header, |at| used.touches(at)) {
-            return Ok((Some(free), used, false));
-        }
-        drop(window);
-        let free = used.gaps(Geometry::of(&self.header));
-        self.write_links(&free)?;
-        self.set_free_list(&free);
-        self.write_info().map_err(|e| Fault::new("header", e.into()))?;
-        Ok((Some(free), used, true))
-    }
-
-    fn write_links(&mut self, free: &[u32]) -> Result<(), Fault> {
-        let io = |e: std::io::Error| Fault::new("link", e.into());
-        for (at, link) in links(free) {
-            self.storage
-                .write_at(u64::from(at), &link.to_le_bytes())
-                .map_err(io)?;
-        }
-        self.storage.sync().map_err(io)
-    }
-
-    /// Puts the blocks that committed batches have replaced behind the free list (W2 step 5), after checking the list (R4), and
-    /// lets go of the file. Changes that are not committed are dropped.
-    ///
-    /// # Errors
-    /// The file cannot be written. No record is touched by that.
-    pub fn close(self) -> Result<CloseReport> {
-        self.close_with().map(|(report, _)| report)
-    }
-
-    /// [`DatEditor::close`], and gives the storage back.
-    ///
-    /// # Errors
-    /// As [`DatEditor::close`].
-    pub fn close_with(mut self) -> Result<(CloseReport, S)> {
-        let report = match self.ended || self.to_free.is_empty() {
-            true => CloseReport::default(),
-            false => self
-                .free_replaced()
-                .map_err(|fault| fault.named(&self.name, None))?,
-        };
-        Ok((report, self.storage))
-    }
-
-    fn free_replaced(&mut self) -> Result<CloseReport, Fault> {
-        let (free, used, rebuilt) = self.checked_free_list()?;
-        let Some(mut free) = free else {
-            return Ok(CloseReport {
-                damaged: true,
-                ..CloseReport::default()
-            });
-        };
-        if rebuilt {
-            return Ok(CloseReport {
-                freed: free.len(),
-                rebuilt,
-                damaged: false,
-            });
-        }
-        let mut new = std::mem::take(&mut self.to_free);
-        new.sort_unstable();
-        new.dedup();
-        // Of cross-linked chains, what another record uses must stay; and nothing may be on the list twice.
-        let block_size = self.header.block_size as u32;
-        let mut listed = free.clone();
-        listed.sort_unstable();
-        let mut end = 0u64;
-        new.retain(|at| {
-            let after = listed.partition_point(|l| l < at);
-            let overlaps_listed = listed.get(after).is_some_and(|l| l - at < block_size)
-                || after
-                    .checked_sub(1)
-                    .and_then(|i| listed.get(i))
-                    .is_some_and(|l| at - l < block_size);
-            let good = u64::from(*at) >= end
-                && u64::from(*at) + u64::from(block_size) <= u64::from(self.header.file_size)
-                && !used.touches(*at)
-                && !overlaps_listed;
-            if good {
-                end = u64::from(*at) + u64::from(block_size);
-            }
-            good
-        });
-        let Some(first) = new.first().copied() else {
-            return Ok(CloseReport::default());
-        };
-        self.write_links(&new)?;
-        if let Some(last) = free.last() {
-            let link = (FREE | first).to_le_bytes();
-            self.storage
-                .write_at(u64::from(*last), &link)
-                .map_err(|e| Fault::new("link", e.into()))?;
-            self.storage.sync().map_err(|e| Fault::new("link", e.into()))?;
-        }
-        let freed = new.len();
-        free.append(&mut new);
-        self.set_free_list(&free);
-        self.write_info().map_err(|e| Fault::new("header", e.into()))?;
-        Ok(CloseReport {
-            freed,
-            ..CloseReport::default()
-        })
     }
 
     fn check_usable(&self) -> Result<()> {
@@ -617,104 +456,14 @@ fn collect_blocks<R: ReadAt>(bytes: &R, g: Geometry, start: u32, size: u32, bloc
     }
 }
 
-/// Writes the chains of a batch: into free blocks first, then behind the end of the file in large writes.
-struct BatchWriter<'a, S: Storage> {
-    storage: &'a mut S,
-    block_size: u32,
-    /// Free blocks, the first to be used last.
-    reusable: Vec<u32>,
-    /// Where `buffer` goes: behind everything.
-    at: u64,
-    buffer: Vec<u8>,
-    /// A block of a chain, as it is written.
-    block: Vec<u8>,
-}
-
-/// Bytes of one write.
-const WRITE: usize = 1 << 20;
-
-impl<'a, S: Storage> BatchWriter<'a, S> {
-    fn new(storage: &'a mut S, header: &Header, mut reusable: Vec<u32>) -> Self {
-        reusable.reverse();
-        let block_size = header.block_size as u32;
-        // A file that ends within a block is filled up, so that new blocks stand where its own do.
-        let origin = match header.btree_root as u32 {
-            0 => DATA_START,
-            root => root,
-        };
-        let end = header.file_size.max(DATA_START);
-        let past = (end % block_size + block_size - origin % block_size) % block_size;
-        let fill = if past == 0 { 0 } else { block_size - past };
-        let at = u64::from(header.file_size);
-        let buffer = vec![0; (u64::from(end) + u64::from(fill) - at) as usize];
-        BatchWriter {
-            storage,
-            block_size,
-            reusable,
-            at,
-            buffer,
-            block: Vec::new(),
-        }
-    }
-
-    fn end(&self) -> u64 {
-        self.at + self.buffer.len() as u64
-    }
-
-    /// Writes the chain of `bytes` and gives its offset.
-    fn chain(&mut self, bytes: &[u8]) -> Result<u32, Fault> {
-        let payload = self.block_size as usize - 4;
-        let blocks = bytes.len().div_ceil(payload).max(1);
-        // Places are given out before anything is written: each block names the next.
-        let mut end = self.end();
-        let mut places = Vec::with_capacity(blocks);
-        for _ in 0..blocks {
-            let place = self.reusable.pop().map_or(end, u64::from);
-            if place == end {
-                end += u64::from(self.block_size);
-            }
-            if end > MAX_OFFSET {
-                return Err(Fault::new("size", ErrorKind::FileFull));
-            }
-            places.push(place as u32);
-        }
-        let nexts = places.iter().skip(1).copied().chain([0]);
-        let mut rest = bytes;
-        for (place, link) in places.iter().zip(nexts) {
-            let (own, after) = rest.split_at(rest.len().min(payload));
-            rest = after;
-            self.block.clear();
-            self.block.extend_from_slice(&link.to_le_bytes());
-            self.block.extend_from_slice(own);
-            self.block.resize(self.block_size as usize, 0);
-            let io = |e: std::io::Error| Fault::at(u64::from(*place), "file", e.into());
-            if u64::from(*place) == self.end() {
-                self.buffer.append(&mut self.block);
-                if self.buffer.len() >= WRITE {
-                    self.flush().map_err(io)?;
-                }
-            } else {
-                self.storage
-                    .write_at(u64::from(*place), &self.block)
-                    .map_err(io)?;
-            }
-        }
-        Ok(places.first().copied().unwrap_or_default())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        self.storage.write_at(self.at, &self.buffer)?;
-        self.at += self.buffer.len() as u64;
-        self.buffer.clear();
-        Ok(())
-    }
-
-    /// Writes what is left. Gives the end of the file and the free blocks that were not needed, in list order.
-    fn finish(mut self) -> std::io::Result<(u64, Vec<u32>)> {
-        if !self.buffer.is_empty() {
-            self.flush()?;
-        }
-        self.reusable.reverse();
-        Ok((self.at, self.reusable))
-    }
+/// Where new blocks go: behind everything, on the grid on which the blocks of the file stand (C11).
+fn next_block(header: &Header) -> u64 {
+    let block_size = u64::from(header.block_size as u32);
+    let origin = match header.btree_root as u32 {
+        0 => u64::from(DATA_START),
+        root => u64::from(root),
+    };
+    let end = u64::from(header.file_size.max(DATA_START));
+    let past = (end % block_size + block_size - origin % block_size) % block_size;
+    if past == 0 { end } else { end + block_size - past }
 }

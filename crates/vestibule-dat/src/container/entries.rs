@@ -83,14 +83,8 @@ impl<'a> Entries<'a> {
     }
 
     fn descend(&mut self, offset: u32, interval: Interval) -> Option<Result<Entry>> {
-        let end = interval.end;
         let fault = self.enter(offset, interval).err()?;
-        let answer = self.failed(fault);
-        if answer.is_some() {
-            // The ids of the node are not to be had, in this state or a newer one.
-            self.low = self.low.max(end);
-        }
-        answer
+        self.failed(fault)
     }
 }
 

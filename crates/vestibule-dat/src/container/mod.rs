@@ -2,6 +2,7 @@
 
 mod builder;
 mod chain;
+mod chain_writer;
 mod compress;
 mod dat_file;
 mod editor;

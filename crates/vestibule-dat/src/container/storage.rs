@@ -52,6 +52,32 @@ pub trait Storage {
     }
 }
 
+impl<S: Storage + ?Sized> Storage for &mut S {
+    fn size(&self) -> io::Result<u64> {
+        (**self).size()
+    }
+
+    fn read_at(&self, offset: u64, buf: &mut [u8]) -> io::Result<()> {
+        (**self).read_at(offset, buf)
+    }
+
+    fn write_at(&mut self, offset: u64, bytes: &[u8]) -> io::Result<()> {
+        (**self).write_at(offset, bytes)
+    }
+
+    fn set_size(&mut self, len: u64) -> io::Result<()> {
+        (**self).set_size(len)
+    }
+
+    fn sync(&mut self) -> io::Result<()> {
+        (**self).sync()
+    }
+
+    fn publish(&mut self) -> io::Result<()> {
+        (**self).publish()
+    }
+}
+
 /// Bytes in memory.
 impl Storage for Vec<u8> {
     fn size(&self) -> io::Result<u64> {

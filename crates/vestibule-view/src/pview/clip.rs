@@ -165,7 +165,8 @@ impl PView {
     /// Whether the eye is on the plane of an opening and inside it (`visibility.md` 12.2).
     pub(super) fn eye_is_in_opening(&mut self, scene: &Scene<'_>, p: u32) -> bool {
         let state = self.portals[p as usize];
-        if !(state.dist.abs() <= EPSILON) || !self.settings.admit_on_plane {
+        let on_plane = state.dist.abs() <= EPSILON;
+        if !on_plane || !self.settings.admit_on_plane {
             return false;
         }
         if state.flags & ON_PLANE_COUNTED == 0 {

@@ -87,10 +87,10 @@ impl PView {
                 if self.portals[p as usize].flags & (IN | SEEN_IN) != IN | SEEN_IN {
                     continue;
                 }
-                if let Target::Room(behind) = scene.openings.portals[p as usize].target {
-                    if self.rooms[behind as usize].stamp == self.stamp {
-                        self.moves.push((mover, behind));
-                    }
+                if let Target::Room(behind) = scene.openings.portals[p as usize].target
+                    && self.rooms[behind as usize].stamp == self.stamp
+                {
+                    self.moves.push((mover, behind));
                 }
             }
         }

@@ -76,7 +76,11 @@ impl Maze {
         let count = owner.iter().max().unwrap() + 1;
         let mut rooms = Rooms::new();
         for room in 0..count {
-            let squares = owner.iter().enumerate().filter(|(_, o)| **o == room).map(|(s, _)| s);
+            let squares = owner
+                .iter()
+                .enumerate()
+                .filter(|(_, o)| **o == room)
+                .map(|(s, _)| s);
             let (mut x, mut y): (Span, Span) = ((f32::INFINITY, 0.0), (f32::INFINITY, 0.0));
             for s in squares {
                 let (cx, cy) = ((s % columns) as f32 * SIDE, (s / columns) as f32 * SIDE);
@@ -117,19 +121,32 @@ impl Maze {
         }
         let turn = random.within(0.0, core::f32::consts::TAU);
         let frame = Frame::new(
-            Vec3::new(random.within(-100.0, 300.0), random.within(-100.0, 300.0), random.within(-20.0, 20.0)),
+            Vec3::new(
+                random.within(-100.0, 300.0),
+                random.within(-100.0, 300.0),
+                random.within(-20.0, 20.0),
+            ),
             Quat::from_xyzw(0.0, 0.0, libm::sinf(turn / 2.0), libm::cosf(turn / 2.0)),
         );
         for spec in &mut rooms.specs {
             spec.frame = frame;
         }
-        Maze { rooms, owner, columns, rows, convex }
+        Maze {
+            rooms,
+            owner,
+            columns,
+            rows,
+            convex,
+        }
     }
 
     /// A camera somewhere in the maze, looking somewhere.
     pub fn camera(&self, random: &mut Random) -> Camera {
         let square = random.below(self.owner.len());
-        let (cx, cy) = ((square % self.columns) as f32 * SIDE, (square / self.columns) as f32 * SIDE);
+        let (cx, cy) = (
+            (square % self.columns) as f32 * SIDE,
+            (square / self.columns) as f32 * SIDE,
+        );
         let local = Vec3::new(
             cx + random.within(0.2, SIDE - 0.2),
             cy + random.within(0.2, SIDE - 0.2),
@@ -147,7 +164,11 @@ impl Maze {
 fn opening(random: &mut Random, x: f32, y: f32, northward: bool) -> Vec<Vec3> {
     let from = random.within(0.2, 7.0);
     let width = random.within(0.3, 9.8 - from);
-    let sill = if random.chance(0.3) { random.within(0.2, 1.5) } else { 0.0 };
+    let sill = if random.chance(0.3) {
+        random.within(0.2, 1.5)
+    } else {
+        0.0
+    };
     let z = (sill, random.within(sill + 0.5, 3.0));
     if northward {
         at_y(y + SIDE, (x + from, x + from + width), z)
@@ -159,6 +180,8 @@ fn opening(random: &mut Random, x: f32, y: f32, northward: bool) -> Vec<Vec3> {
 /// What a ray passes: rooms in order, and whether it got outside.
 pub struct Walk {
     pub rooms: Vec<CellId>,
+    /// How far along the ray each room is entered.
+    pub entered: Vec<f64>,
     pub outside: bool,
 }
 
@@ -173,7 +196,11 @@ fn sub(a: D3, b: D3) -> D3 {
 }
 
 fn cross(a: D3, b: D3) -> D3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 fn dot(a: D3, b: D3) -> f64 {
@@ -206,8 +233,15 @@ fn side(polygon: &[Vec3], eye: D3) -> f64 {
 /// The oracle of `visibility.md` 17.1, in double precision: from the root cross the nearest opening ahead.
 pub fn walk(specs: &[RoomSpec], root: usize, eye: Vec3, ray: Vec3) -> Walk {
     let frame = &specs[root].frame;
-    let (eye, ray) = (wide(frame.global_to_local(eye)), wide(frame.global_to_local_vec(ray)));
-    let mut out = Walk { rooms: vec![specs[root].id], outside: false };
+    let (eye, ray) = (
+        wide(frame.global_to_local(eye)),
+        wide(frame.global_to_local_vec(ray)),
+    );
+    let mut out = Walk {
+        rooms: vec![specs[root].id],
+        entered: vec![0.0],
+        outside: false,
+    };
     let (mut room, mut distance) = (root, 0.0f64);
     for _ in 0..200 {
         let mut best: Option<(f64, PortalTarget)> = None;
@@ -216,7 +250,9 @@ pub fn walk(specs: &[RoomSpec], root: usize, eye: Vec3, ray: Vec3) -> Walk {
             if (s < 0.0) != portal.interior_is_negative {
                 continue;
             }
-            let Some(t) = hit(&portal.vertices, eye, ray).filter(|&t| t > distance) else { continue };
+            let Some(t) = hit(&portal.vertices, eye, ray).filter(|&t| t > distance) else {
+                continue;
+            };
             if best.is_none_or(|(b, _)| t < b) {
                 best = Some((t, portal.target));
             }
@@ -245,6 +281,7 @@ pub fn walk(specs: &[RoomSpec], root: usize, eye: Vec3, ray: Vec3) -> Walk {
                 room = next;
                 distance = t;
                 out.rooms.push(id);
+                out.entered.push(t);
             }
         }
     }

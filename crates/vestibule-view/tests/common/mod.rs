@@ -72,7 +72,6 @@ impl Rooms {
             bsp: CellBsp::new(planes, true),
             portals: Vec::new(),
             stab_list: Vec::new(),
-            seen_outside: false,
         });
         self.names.push(name.to_owned());
         self.specs.len() - 1
@@ -114,7 +113,6 @@ impl Rooms {
             interior_is_negative: true,
             exact_match: true,
         });
-        self.specs[room].seen_outside = true;
     }
 
     /// Every room may see every other.

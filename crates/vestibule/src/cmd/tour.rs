@@ -6,8 +6,9 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use serde_json::json;
+use vestibule::map_svg::{TrailPoint, plan};
 use vestibule::tour::{Change, Tour, TourOptions, TourSummary, TrailStep};
-use vestibule::world::World;
+use vestibule::world::{BlockId, World};
 
 use super::place::{Place, parse_place};
 use crate::ui::{Context, Failed, Progress, count, hinted, style};
@@ -23,7 +24,7 @@ use crate::ui::{Context, Failed, Progress, count, hinted, style};
 Examples:
   vestibule tour
   vestibule tour --dat ~/ac --start 42.1N,33.6E
-  vestibule tour --start \"0xA9B40101 [82 84 40.105]\" --out indoors
+  vestibule tour --start \"0xA9B40101 [155.4 14.2 94.005]\" --out indoors
   vestibule tour --json
 
 Writes trail.jsonl (one object a step: t, cell, pos) and map.svg to the folder of --out.
@@ -50,8 +51,12 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let dats = context.dats()?;
     let world = World::open(dats.clone())?;
     let start = args.start.map(|place| place.position(&world)).transpose()?;
-    let options =
-        TourOptions { start, radius: args.radius, stand_ticks: args.stand, max_steps: args.max_steps };
+    let options = TourOptions {
+        start,
+        radius: args.radius,
+        stand_ticks: args.stand,
+        max_steps: args.max_steps,
+    };
     let mut changes: Vec<Change> = Vec::new();
     let mut broken: Option<std::io::Error> = None;
     let json = context.json;
@@ -59,7 +64,10 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         let name = context.world_name();
         writeln!(context.out, "A tour of {name}\n")?;
         let (head, dim) = (style::HEAD, style::DIM);
-        writeln!(context.out, "{head}   time  cell                        position                   by{head:#}{dim}{dim:#}")?;
+        writeln!(
+            context.out,
+            "{head}   time  cell                        position                   by{head:#}{dim}{dim:#}"
+        )?;
     }
     let result = {
         let out = &mut context.out;
@@ -72,7 +80,9 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         };
         // How long it will be is not known beforehand.
         let mut progress = Progress::spinner("steps");
-        Tour::run(&world, &dats, options, &mut on_change, &mut |steps| progress.set(steps as u64))
+        Tour::run(&world, &dats, options, &mut on_change, &mut |steps| {
+            progress.set(steps as u64)
+        })
     };
     if let Some(error) = broken {
         return Err(error.into());
@@ -82,7 +92,8 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     std::fs::create_dir_all(&args.out).with_context(|| format!("cannot create {}", args.out.display()))?;
     let trail_path = args.out.join("trail.jsonl");
     write_trail(&trail, &trail_path)?;
-    let written = vec![trail_path];
+    let mut written = vec![trail_path];
+    written.extend(write_maps(&world, &trail, &args.out)?);
     if json {
         context.print_json(&json!({ "changes": changes, "summary": summary, "written": written }))?;
     } else {
@@ -94,7 +105,11 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
             anstream::eprintln!("{}warning{:#}: {problem}", style::WARN, style::WARN);
         }
     }
-    if summary.changes_while_standing > 0 { Err(Failed.into()) } else { Ok(()) }
+    if summary.changes_while_standing > 0 {
+        Err(Failed.into())
+    } else {
+        Ok(())
+    }
 }
 
 fn print_change(change: &Change, out: &mut impl Write) -> std::io::Result<()> {
@@ -142,7 +157,25 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
         summary.seconds,
         count(summary.steps, "step")
     )?;
-    for (title, list) in [("not passed", &summary.not_passed), ("not reached", &summary.unreached_entrances)] {
+    if summary.falls > 0 || summary.teleports > 0 {
+        writeln!(
+            out,
+            "{head}falls{head:#}        {}, put back {} where there was no way back on foot",
+            summary.falls,
+            count(summary.teleports, "time")
+        )?;
+    }
+    if summary.out_of_reach > 0 {
+        writeln!(
+            out,
+            "{head}out of reach{head:#} {}, more than a step above floor or ground",
+            count(summary.out_of_reach, "opening")
+        )?;
+    }
+    for (title, list) in [
+        ("not passed", &summary.not_passed),
+        ("not reached", &summary.unreached_entrances),
+    ] {
         for (i, opening) in list.iter().enumerate().take(12) {
             let title = if i == 0 { title } else { "" };
             writeln!(
@@ -152,7 +185,12 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
             )?;
         }
         if list.len() > 12 {
-            writeln!(out, "{:13}... and {} more (--json lists them)", "", list.len() - 12)?;
+            writeln!(
+                out,
+                "{:13}... and {} more (--json lists them)",
+                "",
+                list.len() - 12
+            )?;
         }
     }
     if !summary.not_entered.is_empty() {
@@ -164,6 +202,40 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
         writeln!(out, "{}ended early{:#}  {why}", style::WARN, style::WARN)?;
     }
     Ok(())
+}
+
+/// A map of the landblock in which the tour spent most of its time, and of the others it came through.
+fn write_maps(world: &World, trail: &[TrailStep], folder: &std::path::Path) -> anyhow::Result<Vec<PathBuf>> {
+    let mut blocks: std::collections::BTreeMap<BlockId, usize> = std::collections::BTreeMap::new();
+    for step in trail {
+        *blocks.entry(step.cell.block()).or_default() += 1;
+    }
+    let points: Vec<TrailPoint> = trail
+        .iter()
+        .map(|s| TrailPoint {
+            cell: s.cell,
+            pos: s.pos,
+        })
+        .collect();
+    let main = blocks
+        .iter()
+        .max_by_key(|(_, steps)| **steps)
+        .map(|(block, _)| *block);
+    let mut written = Vec::new();
+    for &block in blocks.keys() {
+        let Some(svg) = plan(world, block, &points) else {
+            continue;
+        };
+        let name = if Some(block) == main {
+            "map.svg".to_owned()
+        } else {
+            format!("map-{:04X}.svg", block.0)
+        };
+        let path = folder.join(name);
+        std::fs::write(&path, svg).with_context(|| format!("cannot write {}", path.display()))?;
+        written.push(path);
+    }
+    Ok(written)
 }
 
 fn write_trail(trail: &[TrailStep], path: &std::path::Path) -> anyhow::Result<()> {

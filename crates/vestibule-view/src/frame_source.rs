@@ -1,0 +1,119 @@
+//! What a frame asks its caller: the objects of a cell and the level of detail of a building.
+
+use glam::Vec3;
+use vestibule_physics::{BodyId, ObjectRef, Population};
+use vestibule_world::{BoundingBox, Building, CellId, Frame, Shape, Sphere, World};
+
+/// An object that may have to be drawn: what names it, and a sphere around it in the frame of the landblock of
+/// the cell it was asked for, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameObject {
+    /// The object.
+    pub id: ObjectRef,
+    /// Around all of it; its centre decides the order of drawing.
+    pub sphere: Sphere,
+}
+
+/// Where a frame gets its objects from. Implement it to bring your own; [`WorldObjects`] serves what the crates of
+/// this project know.
+pub trait FrameSource {
+    /// Hands every object registered in `cell` to `each`, in a fixed order. An object that reaches into several
+    /// cells is registered in each (`rendering.md` 17.4).
+    fn objects_in(&self, cell: CellId, each: &mut dyn FnMut(FrameObject));
+
+    /// The model (0x01…) to draw a building's shell with at this distance in metres; `None` draws neither the shell
+    /// nor what is inside (`rendering.md` 6.3, 6.5).
+    fn building_model(&self, building: &Building, distance: f32) -> Option<u32> {
+        let _ = distance;
+        let part = building.shape.parts.first()?;
+        part.model.is_some().then_some(part.model_id)
+    }
+}
+
+/// The static objects of a world and, if given, the bodies of a population.
+#[derive(Clone, Copy, Debug)]
+pub struct WorldObjects<'a> {
+    world: &'a World,
+    population: Option<&'a Population>,
+    hidden: Option<BodyId>,
+}
+
+impl<'a> WorldObjects<'a> {
+    /// The static objects of `world`.
+    pub fn new(world: &'a World) -> Self {
+        WorldObjects {
+            world,
+            population: None,
+            hidden: None,
+        }
+    }
+
+    /// And the bodies of `population`.
+    #[must_use]
+    pub fn with_population(mut self, population: &'a Population) -> Self {
+        self.population = Some(population);
+        self
+    }
+
+    /// But not this body: the player in first person (`rendering.md` 4.8).
+    #[must_use]
+    pub fn without(mut self, body: Option<BodyId>) -> Self {
+        self.hidden = body;
+        self
+    }
+}
+
+impl FrameSource for WorldObjects<'_> {
+    fn objects_in(&self, cell: CellId, each: &mut dyn FnMut(FrameObject)) {
+        for &id in self.world.statics_in(cell) {
+            let Some(object) = self.world.static_object(id) else {
+                continue;
+            };
+            let offset = vestibule_world::ids::block_offset(cell.block(), object.cell.block());
+            let sphere = bounding_sphere(&object.shape, &object.frame, &object.part_frames);
+            each(FrameObject {
+                id: ObjectRef::Static(id),
+                sphere: Sphere::new(sphere.center + offset, sphere.radius),
+            });
+        }
+        let Some(population) = self.population else { return };
+        for &id in population.shadows_in(cell) {
+            if Some(id) == self.hidden {
+                continue;
+            }
+            let Some(body) = population.body(id) else { continue };
+            let offset = vestibule_world::ids::block_offset(cell.block(), body.position().cell.block());
+            let sphere = bounding_sphere(body.shape(), &body.position().frame, body.part_frames());
+            each(FrameObject {
+                id: ObjectRef::Body(id),
+                sphere: Sphere::new(sphere.center + offset, sphere.radius * body.scale()),
+            });
+        }
+    }
+}
+
+/// A sphere around the parts of a placed shape, in the frame its part frames lead to; the sorting sphere of a shape
+/// without models.
+pub fn bounding_sphere(shape: &Shape, frame: &Frame, part_frames: &[Frame]) -> Sphere {
+    let mut hull: Option<BoundingBox> = None;
+    for (part, placed) in shape.parts.iter().zip(part_frames) {
+        let Some(model) = &part.model else { continue };
+        for corner in model.bounds.corners() {
+            let p = placed.local_to_global(corner * part.scale);
+            match &mut hull {
+                Some(hull) => hull.grow(p),
+                None => hull = Some(BoundingBox { min: p, max: p }),
+            }
+        }
+    }
+    match hull {
+        Some(hull) => {
+            let half: Vec3 = (hull.max - hull.min) * 0.5;
+            Sphere::new(hull.min + half, half.length())
+        }
+        None => {
+            let s = &shape.sorting_sphere;
+            Sphere::new(frame.local_to_global(s.center), s.radius)
+        }
+    }
+}
