@@ -43,6 +43,13 @@
 //! Features: `serde` (de)serialises what [`Population::save`] and [`Body::save`] return.
 
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::excessive_precision,
+        reason = "examples are quoted with all their digits"
+    )
+)]
 
 mod adjust_offset;
 mod body;

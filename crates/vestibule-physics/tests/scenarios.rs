@@ -314,6 +314,10 @@ fn bodies_stand_in_each_others_way_until_one_opens() {
     let blocked = walk(&mut population, &mut scratch);
     assert!((0.9..1.2).contains(&blocked), "{blocked}");
     assert!(population.set_ethereal(&world, &mut scratch, post, true));
+    // Pressing on along the same wall moves nothing, open or not: the slide remembers it. A step back forgets it.
+    let mut back = *population.body(walker).unwrap().position();
+    back.frame.origin.x -= 0.1;
+    population.move_to(&world, &mut scratch, walker, &back).unwrap();
     let through = walk(&mut population, &mut scratch);
     assert!(
         through < 2.0 && population.body(walker).unwrap().position().origin().x > beside.origin().x - 0.1
