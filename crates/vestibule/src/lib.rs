@@ -39,9 +39,9 @@ pub mod locate;
 pub mod map_svg;
 mod open;
 pub mod references;
-pub mod route;
 pub mod replay;
 pub mod round_trips;
+pub mod route;
 pub mod tour;
 pub mod visible_svg;
 pub mod walk;
@@ -51,5 +51,9 @@ pub use open::{EMBEDDED_NAME, OpenError, open_dats, open_world};
 
 /// `1 cell`, `2 cells`.
 fn count(n: usize, what: &str) -> String {
-    if n == 1 { format!("{n} {what}") } else { format!("{n} {what}s") }
+    if n == 1 {
+        format!("{n} {what}")
+    } else {
+        format!("{n} {what}s")
+    }
 }

@@ -65,8 +65,15 @@ pub struct ReplayError {
 /// # Errors
 /// Names the first line that is neither.
 pub fn read(text: &str, block: u16) -> Result<Vec<Row>, ReplayError> {
-    let is_table = text.lines().find(|line| !line.trim().is_empty()).is_some_and(|line| !line.trim_start().starts_with('{'));
-    if is_table { read_log(text, block) } else { read_trail(text) }
+    let is_table = text
+        .lines()
+        .find(|line| !line.trim().is_empty())
+        .is_some_and(|line| !line.trim_start().starts_with('{'));
+    if is_table {
+        read_log(text, block)
+    } else {
+        read_trail(text)
+    }
 }
 
 fn read_trail(text: &str) -> Result<Vec<Row>, ReplayError> {
@@ -76,12 +83,23 @@ fn read_trail(text: &str) -> Result<Vec<Row>, ReplayError> {
         pos: [f32; 3],
     }
     let mut out: Vec<Row> = Vec::new();
-    for (line, text) in (1..).zip(text.lines()).filter(|(_, text)| !text.trim().is_empty()) {
+    for (line, text) in (1..)
+        .zip(text.lines())
+        .filter(|(_, text)| !text.trim().is_empty())
+    {
         let fail = |problem: String| ReplayError { line, problem };
         let step: Step = serde_json::from_str(text).map_err(|e| fail(e.to_string()))?;
-        let cell: CellId = step.cell.parse().map_err(|e: vestibule_world::ParseCellIdError| fail(e.to_string()))?;
+        let cell: CellId = step
+            .cell
+            .parse()
+            .map_err(|e: vestibule_world::ParseCellIdError| fail(e.to_string()))?;
         let seed = out.last().map(|row| row.cell);
-        out.push(Row { line, seed, pos: step.pos.into(), cell });
+        out.push(Row {
+            line,
+            seed,
+            pos: step.pos.into(),
+            cell,
+        });
     }
     Ok(out)
 }
@@ -92,7 +110,9 @@ fn read_log(text: &str, block: u16) -> Result<Vec<Row>, ReplayError> {
         let split = |c: char| c == '|' || c == ',' || c.is_whitespace();
         let words: Vec<&str> = text.split(split).filter(|word| !word.is_empty()).collect();
         // Headings and rules of tables.
-        let heading = words.iter().all(|word| !word.contains(|c: char| c.is_ascii_digit()));
+        let heading = words
+            .iter()
+            .all(|word| !word.contains(|c: char| c.is_ascii_digit()));
         if words.is_empty() || heading {
             continue;
         }
@@ -100,24 +120,44 @@ fn read_log(text: &str, block: u16) -> Result<Vec<Row>, ReplayError> {
             [_, rest @ ..] if rest.len() == 5 => rest,
             rest if rest.len() == 5 => rest,
             _ => {
-                let problem = "expected seed, x, y, z and picked cell, with or without a number in front".to_owned();
+                let problem =
+                    "expected seed, x, y, z and picked cell, with or without a number in front".to_owned();
                 return Err(ReplayError { line, problem });
             }
         };
         let [seed, x, y, z, picked] = fields else { continue };
         let cell = |word: &str| {
             let digits = word.strip_prefix("0x").unwrap_or(word);
-            let id = u32::from_str_radix(digits, 16).ok().filter(|_| digits.len() == 4 || digits.len() == 8);
-            let id = id.map(|id| if digits.len() == 4 { u32::from(block) << 16 | id } else { id });
+            let id = u32::from_str_radix(digits, 16)
+                .ok()
+                .filter(|_| digits.len() == 4 || digits.len() == 8);
+            let id = id.map(|id| {
+                if digits.len() == 4 {
+                    u32::from(block) << 16 | id
+                } else {
+                    id
+                }
+            });
             let problem = || format!("'{word}' is no cell id of four or eight hexadecimal digits");
-            id.map(CellId).ok_or_else(|| ReplayError { line, problem: problem() })
+            id.map(CellId).ok_or_else(|| ReplayError {
+                line,
+                problem: problem(),
+            })
         };
         let number = |word: &str| match word.parse::<f32>() {
             Ok(v) if v.is_finite() => Ok(v),
-            _ => Err(ReplayError { line, problem: format!("'{word}' is no finite number") }),
+            _ => Err(ReplayError {
+                line,
+                problem: format!("'{word}' is no finite number"),
+            }),
         };
         let pos = Vec3::new(number(x)?, number(y)?, number(z)?);
-        out.push(Row { line, seed: Some(cell(seed)?), pos, cell: cell(picked)? });
+        out.push(Row {
+            line,
+            seed: Some(cell(seed)?),
+            pos,
+            cell: cell(picked)?,
+        });
     }
     Ok(out)
 }
@@ -129,7 +169,10 @@ fn read_log(text: &str, block: u16) -> Result<Vec<Row>, ReplayError> {
 pub fn run(world: &World, rows: &[Row]) -> ReplayReport {
     let mut report = ReplayReport::default();
     let mut cells = CellArray::new();
-    let mut walker = Walker::new(world, rows.first().map_or_else(Default::default, |row| row.cell.block()));
+    let mut walker = Walker::new(
+        world,
+        rows.first().map_or_else(Default::default, |row| row.cell.block()),
+    );
     let mut before: Option<Row> = None;
     for row in rows {
         let last = before.replace(*row);
@@ -151,7 +194,11 @@ pub fn run(world: &World, rows: &[Row]) -> ReplayReport {
         // A log's look-ups are single; a trail's rows follow from one another.
         let mut swept = || {
             let last = last.filter(|last| row.seed == Some(last.cell))?;
-            let from = Footing { at: Position::new(last.cell, last.pos), carried: Default::default(), rise: 0.0 };
+            let from = Footing {
+                at: Position::new(last.cell, last.pos),
+                carried: Default::default(),
+                rise: 0.0,
+            };
             let to = walker.local(last.cell.block(), walker.point(&Position::new(row.cell, row.pos)));
             Some(walker.sweep_to(&from, to).at.cell)
         };

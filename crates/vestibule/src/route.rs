@@ -53,8 +53,11 @@ pub struct Opening {
 impl Opening {
     /// The opening of a portal.
     pub fn of(cell: &EnvCell, portal: &CellPortal) -> Self {
-        let corners: Vec<Vec3> =
-            cell.portal_vertices(portal).iter().map(|&v| cell.frame.local_to_global(v)).collect();
+        let corners: Vec<Vec3> = cell
+            .portal_vertices(portal)
+            .iter()
+            .map(|&v| cell.frame.local_to_global(v))
+            .collect();
         let middle = corners.iter().copied().sum::<Vec3>() / corners.len().max(1) as f32;
         let normal = cell.frame.local_to_global_vec(portal.plane.normal);
         let opposite = match (portal.other, portal.other_portal) {
@@ -62,12 +65,19 @@ impl Opening {
             _ => None,
         };
         Opening {
-            id: PortalId { cell: cell.id, portal: portal.record_index },
+            id: PortalId {
+                cell: cell.id,
+                portal: portal.record_index,
+            },
             to: portal.other,
             opposite,
             corners,
             middle,
-            outward: if portal.interior_is_negative { normal } else { -normal },
+            outward: if portal.interior_is_negative {
+                normal
+            } else {
+                -normal
+            },
             exact: portal.exact_match,
         }
     }
@@ -94,19 +104,30 @@ impl Opening {
     /// In a few words: `opening 1.6 x 2.5 m`.
     pub fn in_words(&self) -> String {
         let (width, height) = self.size();
-        if self.is_flat() { format!("floor opening {width:.1} m wide") } else { format!("opening {width:.1} x {height:.1} m") }
+        if self.is_flat() {
+            format!("floor opening {width:.1} m wide")
+        } else {
+            format!("opening {width:.1} x {height:.1} m")
+        }
     }
 }
 
 /// The openings of a cell in record order.
 pub fn openings(world: &World, cell: CellId) -> Vec<Opening> {
-    let Some(cell) = world.env_cell(cell) else { return Vec::new() };
-    cell.portals.iter().map(|portal| Opening::of(cell, portal)).collect()
+    let Some(cell) = world.env_cell(cell) else {
+        return Vec::new();
+    };
+    cell.portals
+        .iter()
+        .map(|portal| Opening::of(cell, portal))
+        .collect()
 }
 
 /// The openings by which buildings of a landblock can be entered from the land.
 pub fn entrances(world: &World, block: BlockId) -> Vec<Opening> {
-    let Some(block) = world.block(block) else { return Vec::new() };
+    let Some(block) = world.block(block) else {
+        return Vec::new();
+    };
     let portals = block.buildings.iter().flat_map(|building| &building.portals);
     portals
         .filter_map(|portal| {
@@ -153,7 +174,15 @@ const NEAR: f32 = 0.04;
 impl<'w> Steering<'w> {
     /// Steers along `way` in steps of `step` metres.
     pub fn new(way: &'w [Vec2], step: f32) -> Self {
-        Steering { way, next: 0, step, last: None, heading: Vec2::ZERO, stuck: 0, overshoot: 0 }
+        Steering {
+            way,
+            next: 0,
+            step,
+            last: None,
+            heading: Vec2::ZERO,
+            stuck: 0,
+            overshoot: 0,
+        }
     }
 
     /// The next step from `here`; `arrived` says whether the player is where the way should lead.
@@ -239,9 +268,20 @@ pub fn passages(world: &World, from: CellId, to: CellId, barred: &[PortalId]) ->
         }
         let next: Vec<Passage> = if here.is_none() {
             let entrances = blocks.iter().flat_map(|&block| entrances(world, block));
-            entrances.map(|opening| Passage { opening, inward: true }).collect()
+            entrances
+                .map(|opening| Passage {
+                    opening,
+                    inward: true,
+                })
+                .collect()
         } else {
-            openings(world, here).into_iter().map(|opening| Passage { opening, inward: false }).collect()
+            openings(world, here)
+                .into_iter()
+                .map(|opening| Passage {
+                    opening,
+                    inward: false,
+                })
+                .collect()
         };
         for passage in next.into_iter().filter(|p| !barred.contains(&p.opening.id)) {
             let there = match (passage.inward, passage.opening.to) {
@@ -334,10 +374,15 @@ fn straight_through(
     // Straight through the middle, from as far before as there is room.
     for distance in ANCHORS {
         let first = front_of(walker, opening, sign * distance);
-        let Some(at_first) = walker.straight(from, first, &before) else { continue };
+        let Some(at_first) = walker.straight(from, first, &before) else {
+            continue;
+        };
         for behind in ANCHORS {
             let second = front_of(walker, opening, -sign * behind);
-            if walker.straight(&at_first, second, &both).is_some_and(|end| arrived(end.at.cell)) {
+            if walker
+                .straight(&at_first, second, &both)
+                .is_some_and(|end| arrived(end.at.cell))
+            {
                 return Some(vec![first, second]);
             }
         }
@@ -345,7 +390,10 @@ fn straight_through(
     // From where the player is, as out of a cell that is only as deep as a wall.
     for behind in ANCHORS {
         let second = front_of(walker, opening, -sign * behind);
-        if walker.straight(from, second, &both).is_some_and(|end| arrived(end.at.cell)) {
+        if walker
+            .straight(from, second, &both)
+            .is_some_and(|end| arrived(end.at.cell))
+        {
             return Some(vec![second]);
         }
     }
@@ -388,9 +436,18 @@ fn search(
     let key = |p: Vec3, cell: CellId| {
         let at = |v: f32| (v / grid).round() as i32;
         // Two floors over one another in one cell are more than this apart.
-        (at(p.x), at(p.y), (p.z / 1.5).round() as i32, if cell.is_indoor() { cell.0 } else { 0 })
+        (
+            at(p.x),
+            at(p.y),
+            (p.z / 1.5).round() as i32,
+            if cell.is_indoor() { cell.0 } else { 0 },
+        )
     };
-    let mut nodes = vec![Node { footing: *from, parent: 0, cost: 0.0 }];
+    let mut nodes = vec![Node {
+        footing: *from,
+        parent: 0,
+        cost: 0.0,
+    }];
     let mut known: HashMap<(i32, i32, i32, u32), usize> = HashMap::new();
     known.insert(key(walker.point(&from.at), from.at.cell), 0);
     // Ordered by estimated cost in millimetres, then by age: the same world gives the same way.
@@ -407,19 +464,38 @@ fn search(
             return None;
         }
         let (ix, iy, ..) = key(here, footing.at.cell);
-        for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)] {
+        for (dx, dy) in [
+            (1, 0),
+            (0, 1),
+            (-1, 0),
+            (0, -1),
+            (1, 1),
+            (-1, 1),
+            (-1, -1),
+            (1, -1),
+        ] {
             let next = Vec2::new((ix + dx) as f32, (iy + dy) as f32) * grid;
-            let Some(reached) = walker.straight(&footing, next, allowed) else { continue };
+            let Some(reached) = walker.straight(&footing, next, allowed) else {
+                continue;
+            };
             let there = walker.point(&reached.at);
             let length = cost + here.distance(there);
             let key = key(there, reached.at.cell);
-            if known.get(&key).and_then(|&i| nodes.get(i)).is_some_and(|old| old.cost <= length + 1e-3) {
+            if known
+                .get(&key)
+                .and_then(|&i| nodes.get(i))
+                .is_some_and(|old| old.cost <= length + 1e-3)
+            {
                 continue;
             }
             let estimate = length + there.truncate().distance(target);
             known.insert(key, nodes.len());
             open.push(Reverse(((estimate * 1000.0) as u32, nodes.len())));
-            nodes.push(Node { footing: reached, parent: index, cost: length });
+            nodes.push(Node {
+                footing: reached,
+                parent: index,
+                cost: length,
+            });
         }
     }
     None
@@ -434,14 +510,20 @@ fn cut_corners(walker: &mut Walker<'_>, nodes: &[Node], end: usize, allowed: &dy
         chain.push(at);
     }
     chain.reverse();
-    let footings: Vec<Footing> = chain.iter().filter_map(|&i| nodes.get(i)).map(|n| n.footing).collect();
+    let footings: Vec<Footing> = chain
+        .iter()
+        .filter_map(|&i| nodes.get(i))
+        .map(|n| n.footing)
+        .collect();
     let mut way = Way::new();
     let mut i = 0;
     while i + 1 < footings.len() {
         let mut j = i + 1;
         // Leaps of at most 32 points keep this linear.
         for far in (i + 2..footings.len().min(i + 32)).rev() {
-            let (Some(a), Some(b)) = (footings.get(i), footings.get(far)) else { break };
+            let (Some(a), Some(b)) = (footings.get(i), footings.get(far)) else {
+                break;
+            };
             let to = walker.point(&b.at);
             let reached = walker.straight(a, to.truncate(), allowed);
             if reached.is_some_and(|r| r.at.cell == b.at.cell && (walker.point(&r.at).z - to.z).abs() < 0.3) {

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 use vestibule_dat::{DatSet, RecordKind};
-use vestibule_world::{BlockId, CellId, PortalTarget, Position, World};
+use vestibule_world::{BlockId, CellId, EnvCell, PortalTarget, Position, World};
 
 use crate::route::{self, Opening, PortalId, Steer, Steering};
 use crate::walker::{Footing, TICK, Walker};
@@ -38,7 +38,12 @@ pub struct TourOptions {
 
 impl Default for TourOptions {
     fn default() -> Self {
-        TourOptions { start: None, radius: 1, stand_ticks: 100, max_steps: 3_000_000 }
+        TourOptions {
+            start: None,
+            radius: 1,
+            stand_ticks: 100,
+            max_steps: 3_000_000,
+        }
     }
 }
 
@@ -207,7 +212,10 @@ impl<'w, 'o> Tour<'w, 'o> {
             footing,
             outside: footing,
             trail: Vec::new(),
-            summary: TourSummary { start: short(&footing.at), ..TourSummary::default() },
+            summary: TourSummary {
+                start: short(&footing.at),
+                ..TourSummary::default()
+            },
             entered: BTreeSet::new(),
             stood_in: BTreeSet::new(),
             done: BTreeSet::new(),
@@ -274,7 +282,9 @@ impl<'w, 'o> Tour<'w, 'o> {
             if self.summary.ended_early.is_some() {
                 return;
             }
-            let PortalTarget::Cell(below) = opening.to else { continue };
+            let PortalTarget::Cell(below) = opening.to else {
+                continue;
+            };
             if self.visited.contains(&below) {
                 continue;
             }
@@ -296,7 +306,10 @@ impl<'w, 'o> Tour<'w, 'o> {
             way_in: Option<(Opening, Footing)>,
         }
         self.visited.insert(cell);
-        let mut levels = vec![Level { openings: self.openings_of(cell), way_in: None }];
+        let mut levels = vec![Level {
+            openings: self.openings_of(cell),
+            way_in: None,
+        }];
         self.to_the_middle(cell);
         while self.summary.ended_early.is_none() {
             let Some(level) = levels.last_mut() else { break };
@@ -329,7 +342,9 @@ impl<'w, 'o> Tour<'w, 'o> {
                     self.teleport(before);
                 }
                 match opening.to {
-                    PortalTarget::Cell(other) if !self.visited.contains(&other) && !out_of_reach(&opening, &before) => {
+                    PortalTarget::Cell(other)
+                        if !self.visited.contains(&other) && !out_of_reach(&opening, &before) =>
+                    {
                         self.drops.push((before, opening));
                     }
                     _ => {
@@ -343,7 +358,10 @@ impl<'w, 'o> Tour<'w, 'o> {
                 PortalTarget::Cell(other) if self.visited.insert(other) => {
                     self.to_the_middle(other);
                     let way_in = Some((opening, before));
-                    levels.push(Level { openings: self.openings_of(other), way_in });
+                    levels.push(Level {
+                        openings: self.openings_of(other),
+                        way_in,
+                    });
                 }
                 _ => self.back_through(&opening, before),
             }
@@ -352,17 +370,30 @@ impl<'w, 'o> Tour<'w, 'o> {
 
     /// Whether the cell has a floor within a step of the opening, at the opening's place.
     fn may_climb_to(&self, opening: &Opening) -> bool {
-        let Some(cell) = self.walker.world().env_cell(opening.id.cell) else { return false };
+        let Some(cell) = self.walker.world().env_cell(opening.id.cell) else {
+            return false;
+        };
         let structure = &cell.structure;
-        let Some(physics) = &structure.physics else { return false };
+        let Some(physics) = &structure.physics else {
+            return false;
+        };
         let lowest = lowest(opening);
         // A stair or a ramp that comes up to the opening has a walkable face that high.
         physics.faces().iter().any(|face| {
             let normal = cell.frame.local_to_global_vec(face.plane.normal);
-            let corners = physics.edges(face).iter().map(|edge| cell.frame.local_to_global(edge.start));
-            let near = |c: Vec3| opening.corners.iter().any(|o| o.truncate().distance(c.truncate()) < 1.5);
+            let corners = physics
+                .edges(face)
+                .iter()
+                .map(|edge| cell.frame.local_to_global(edge.start));
+            let near = |c: Vec3| {
+                opening
+                    .corners
+                    .iter()
+                    .any(|o| o.truncate().distance(c.truncate()) < 1.5)
+            };
             let mut corners = corners.into_iter();
-            normal.z >= vestibule_world::constants::FLOOR_Z && corners.any(|c| c.z > lowest - REACH && near(c))
+            normal.z >= vestibule_world::constants::FLOOR_Z
+                && corners.any(|c| c.z > lowest - REACH && near(c))
         })
     }
 
@@ -392,7 +423,11 @@ impl<'w, 'o> Tour<'w, 'o> {
                 return false;
             }
             let moved = self.walker.point(&self.footing.at).truncate().distance(here);
-            stuck = if standing && moved < 0.2 * STEP { stuck + 1 } else { 0 };
+            stuck = if standing && moved < 0.2 * STEP {
+                stuck + 1
+            } else {
+                0
+            };
             if stuck >= 5 {
                 jumped += 1;
                 stuck = 0;
@@ -430,7 +465,8 @@ impl<'w, 'o> Tour<'w, 'o> {
     fn back_through(&mut self, opening: &Opening, before: Footing) {
         let own = opening.id.cell;
         let way = route::in_through(&mut self.walker, &self.footing, opening);
-        if !way.is_some_and(|way| self.follow(&way, |cell| cell == own)) && self.summary.ended_early.is_none() {
+        if !way.is_some_and(|way| self.follow(&way, |cell| cell == own)) && self.summary.ended_early.is_none()
+        {
             self.teleport(before);
         }
     }
@@ -450,7 +486,11 @@ impl<'w, 'o> Tour<'w, 'o> {
         if here.distance(middle.truncate()) < 0.5 {
             return;
         }
-        if self.walker.straight(&self.footing, middle.truncate(), &|cell| cell == id).is_some() {
+        if self
+            .walker
+            .straight(&self.footing, middle.truncate(), &|cell| cell == id)
+            .is_some()
+        {
             self.follow(&[middle.truncate()], |cell| cell == id);
         }
     }
@@ -476,7 +516,10 @@ impl<'w, 'o> Tour<'w, 'o> {
     fn tick(&mut self, offset: Vec2) -> bool {
         let before = self.footing;
         self.footing = self.walker.step(&before, offset);
-        self.summary.metres += self.walker.point(&before.at).distance(self.walker.point(&self.footing.at));
+        self.summary.metres += self
+            .walker
+            .point(&before.at)
+            .distance(self.walker.point(&self.footing.at));
         self.record(false);
         let (from, to) = (before.at.cell, self.footing.at.cell);
         if from != to {
@@ -544,7 +587,12 @@ impl<'w, 'o> Tour<'w, 'o> {
         let at = &self.footing.at;
         self.entered.insert(at.cell);
         let t = self.trail.len() as f32 * TICK;
-        self.trail.push(TrailStep { t, cell: at.cell, pos: at.origin(), standing });
+        self.trail.push(TrailStep {
+            t,
+            cell: at.cell,
+            pos: at.origin(),
+            standing,
+        });
         (self.on_step)(self.trail.len());
         if self.trail.len() > self.options.max_steps {
             self.end(format!("{} steps are enough", self.options.max_steps));
@@ -617,10 +665,17 @@ fn out_of_reach(opening: &Opening, from: &Footing) -> bool {
 /// Whether the ground before an opening lies too low to step in.
 fn window_from_outside(world: &World, opening: &Opening) -> bool {
     let front = opening.middle + opening.outward.with_z(0.0).normalize_or_zero() * 0.6;
-    let Some(ground) = world.ground_at(opening.id.cell, front) else { return false };
+    let Some(ground) = world.ground_at(opening.id.cell, front) else {
+        return false;
+    };
     // A porch or steps of the building's shell may bring one nearer than the ground does.
     let steps = world.block(opening.id.cell.block()).is_some_and(|block| {
-        block.buildings.iter().any(|b| b.shape.parts.iter().any(|p| p.model.as_ref().is_some_and(|m| m.physics.is_some())))
+        block.buildings.iter().any(|b| {
+            b.shape
+                .parts
+                .iter()
+                .any(|p| p.model.as_ref().is_some_and(|m| m.physics.is_some()))
+        })
     });
     lowest(opening) > ground.z + if steps { 2.0 * REACH } else { REACH }
 }
@@ -636,7 +691,10 @@ fn crossed(world: &World, from: CellId, now: &Position) -> Option<String> {
     let to = now.cell;
     let nearest = |openings: Vec<Opening>, leads: &dyn Fn(&Opening) -> bool| {
         let distance = |o: &Opening| route::distance_to(o, to.block(), now.origin());
-        openings.into_iter().filter(leads).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        openings
+            .into_iter()
+            .filter(leads)
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
     };
     let found = match (from.is_indoor(), to.is_indoor()) {
         (true, true) => nearest(route::openings(world, from), &|o| o.to == PortalTarget::Cell(to)),
@@ -688,12 +746,16 @@ fn before_an_entrance(walker: &mut Walker<'_>, block: BlockId) -> Option<Footing
             for turn in [0.0, 0.4, -0.4] {
                 let at = middle + (out + side * turn) * distance;
                 let land = CellId::new(block, 0xFFFF);
-                let Some(ground) = walker.world().ground_at(land, at.extend(0.0)) else { continue };
+                let Some(ground) = walker.world().ground_at(land, at.extend(0.0)) else {
+                    continue;
+                };
                 let place = Position::new(ground.cell, ground.point.truncate().extend(ground.z + 0.01));
                 if is_inside_a_room(walker.world(), &place) {
                     continue;
                 }
-                let Some(footing) = walker.put(&place).filter(|f| !f.at.cell.is_indoor()) else { continue };
+                let Some(footing) = walker.put(&place).filter(|f| !f.at.cell.is_indoor()) else {
+                    continue;
+                };
                 if route::in_through(walker, &footing, &opening).is_some() {
                     return Some(footing);
                 }
@@ -710,24 +772,51 @@ fn is_inside_a_room(world: &World, place: &Position) -> bool {
     block.is_some_and(|block| block.env_cells().any(|cell| cell.contains_point(center)))
 }
 
-/// A place in the first env cell of a landblock that one can stand in.
+/// A place in an env cell of a landblock that one can stand in: in the first cell that one can walk out of, else in the
+/// first at all.
 fn inside(walker: &mut Walker<'_>, block: BlockId) -> Option<Footing> {
     let block = walker.world().block(block)?;
+    let mut first = None;
     for cell in block.env_cells().filter(|cell| !cell.portals.is_empty()) {
-        let Some(bounds) = cell.structure.bounds else { continue };
-        let bounds = bounds.mapped(|p| cell.frame.local_to_global(p));
-        let size = bounds.max - bounds.min;
-        for (u, v) in [(0.5, 0.5), (0.3, 0.3), (0.7, 0.7), (0.3, 0.7), (0.7, 0.3), (0.5, 0.2), (0.2, 0.5)] {
-            // From a little above the floor upwards, for floors that are not level.
-            for up in [0.02, 0.5, 1.0, 2.0, 4.0] {
-                if up > size.z {
-                    break;
-                }
-                let at = bounds.min + Vec3::new(size.x * u, size.y * v, up);
-                if let Some(footing) = walker.put(&Position::new(cell.id, at)) {
-                    if footing.at.cell == cell.id {
-                        return Some(footing);
-                    }
+        let Some(footing) = within(walker, cell) else {
+            continue;
+        };
+        let indoors = |opening: &Opening| opening.to != PortalTarget::Outside;
+        let ways = route::openings(walker.world(), cell.id);
+        if ways
+            .iter()
+            .filter(|o| indoors(o))
+            .any(|o| route::out_through(walker, &footing, o).is_some())
+        {
+            return Some(footing);
+        }
+        first = first.or(Some(footing));
+    }
+    first
+}
+
+/// A place in a cell that one can stand in.
+fn within(walker: &mut Walker<'_>, cell: &EnvCell) -> Option<Footing> {
+    let bounds = cell.structure.bounds?.mapped(|p| cell.frame.local_to_global(p));
+    let size = bounds.max - bounds.min;
+    for (u, v) in [
+        (0.5, 0.5),
+        (0.3, 0.3),
+        (0.7, 0.7),
+        (0.3, 0.7),
+        (0.7, 0.3),
+        (0.5, 0.2),
+        (0.2, 0.5),
+    ] {
+        // From a little above the floor upwards, for floors that are not level.
+        for up in [0.02, 0.5, 1.0, 2.0, 4.0] {
+            if up > size.z {
+                break;
+            }
+            let at = bounds.min + Vec3::new(size.x * u, size.y * v, up);
+            if let Some(footing) = walker.put(&Position::new(cell.id, at)) {
+                if footing.at.cell == cell.id {
+                    return Some(footing);
                 }
             }
         }

@@ -20,15 +20,22 @@ pub fn picture(frame: &FrameView, camera: &Camera) -> String {
                 let _ = write!(list, "{:.1},{:.1} ", p.x, p.y);
             }
             let list = list.trim_end();
-            let _ = writeln!(body, r#"<polygon points="{list}" {style}><title>{title}</title></polygon>"#);
+            let _ = writeln!(
+                body,
+                r#"<polygon points="{list}" {style}><title>{title}</title></polygon>"#
+            );
         }
     };
     // Large regions first: what shows through them then lies on top.
-    let mut regions: Vec<(f32, Option<CellId>, Region<'_>)> =
-        frame.landscape_views().map(|region| (region.pixel_area(camera), None, region)).collect();
+    let mut regions: Vec<(f32, Option<CellId>, Region<'_>)> = frame
+        .landscape_views()
+        .map(|region| (region.pixel_area(camera), None, region))
+        .collect();
     let mut labels: Vec<(Vec2, f32, CellId)> = Vec::new();
     for command in frame.commands() {
-        let Command::Room { cell, views } = command else { continue };
+        let Command::Room { cell, views } = command else {
+            continue;
+        };
         for region in frame.regions(*views) {
             let area = region.pixel_area(camera);
             regions.push((area, Some(*cell), region));
@@ -50,8 +57,9 @@ pub fn picture(frame: &FrameView, camera: &Camera) -> String {
             }
             Some(cell) => {
                 let hue = u32::from(cell.low()) * 137 % 360;
-                let style =
-                    format!(r#"fill="hsl({hue},55%,80%)" fill-opacity="0.7" stroke="hsl({hue},70%,28%)" stroke-width="1.5""#);
+                let style = format!(
+                    r#"fill="hsl({hue},55%,80%)" fill-opacity="0.7" stroke="hsl({hue},70%,28%)" stroke-width="1.5""#
+                );
                 polygon(&mut body, region, &style, &cell.to_string());
             }
         }
@@ -61,7 +69,10 @@ pub fn picture(frame: &FrameView, camera: &Camera) -> String {
     for (at, area, cell) in labels {
         let size = (area.sqrt() / 8.0).clamp(9.0, 22.0);
         let mut at = at.clamp(Vec2::splat(20.0), camera.viewport() - 20.0);
-        while placed.iter().any(|p| (p.x - at.x).abs() < 60.0 && (p.y - at.y).abs() < 18.0) {
+        while placed
+            .iter()
+            .any(|p| (p.x - at.x).abs() < 60.0 && (p.y - at.y).abs() < 18.0)
+        {
             at.y += 18.0;
         }
         placed.push(at);

@@ -57,7 +57,10 @@ pub fn to_target(world: &World, from: &Position, to: &Position) -> Result<Vec<Tr
     let target = walker.put(to).ok_or(WalkError::BadTarget(*to))?;
     let mut trail = vec![step_of(&footing, 0)];
     let mut barred: Vec<PortalId> = Vec::new();
-    let lost = |footing: &Footing| WalkError::NoWay { from: footing.at, to: *to };
+    let lost = |footing: &Footing| WalkError::NoWay {
+        from: footing.at,
+        to: *to,
+    };
     'tries: for _ in 0..TRIES {
         let passages = route::passages(world, footing.at.cell, target.at.cell, &barred);
         for passage in passages.ok_or_else(|| lost(&footing))? {
@@ -82,7 +85,12 @@ pub fn to_target(world: &World, from: &Position, to: &Position) -> Result<Vec<Tr
 
 fn step_of(footing: &Footing, ticks: usize) -> TrailStep {
     let at = &footing.at;
-    TrailStep { t: ticks as f32 * TICK, cell: at.cell, pos: at.origin(), standing: false }
+    TrailStep {
+        t: ticks as f32 * TICK,
+        cell: at.cell,
+        pos: at.origin(),
+        standing: false,
+    }
 }
 
 fn follow(
@@ -142,17 +150,34 @@ pub fn read_script(text: &str) -> Result<Vec<Stretch>, WalkError> {
             let offset = word.as_ptr() as usize - full.as_ptr() as usize;
             full.get(..offset).map_or(1, |before| before.chars().count() + 1)
         };
-        let fail = |word: &str, problem: String| WalkError::Script { line, column: column_of(word), problem };
-        let forward = Motion { forward: 1.0, ..Motion::default() };
+        let fail = |word: &str, problem: String| WalkError::Script {
+            line,
+            column: column_of(word),
+            problem,
+        };
+        let forward = Motion {
+            forward: 1.0,
+            ..Motion::default()
+        };
         let motion = match verb {
             "walk" => Some(forward),
             "run" => Some(Motion { run: true, ..forward }),
-            "back" => Some(Motion { forward: -1.0, ..Motion::default() }),
-            "left" => Some(Motion { sidestep: -1.0, ..Motion::default() }),
-            "right" => Some(Motion { sidestep: 1.0, ..Motion::default() }),
+            "back" => Some(Motion {
+                forward: -1.0,
+                ..Motion::default()
+            }),
+            "left" => Some(Motion {
+                sidestep: -1.0,
+                ..Motion::default()
+            }),
+            "right" => Some(Motion {
+                sidestep: 1.0,
+                ..Motion::default()
+            }),
             "turn" | "jump" | "wait" => None,
             _ => {
-                let problem = format!("'{verb}' is no command; walk, run, back, left, right, turn, jump and wait are");
+                let problem =
+                    format!("'{verb}' is no command; walk, run, back, left, right, turn, jump and wait are");
                 return Err(fail(verb, problem));
             }
         };
@@ -160,8 +185,17 @@ pub fn read_script(text: &str) -> Result<Vec<Stretch>, WalkError> {
             return Err(fail(verb, format!("'{verb}' needs a number after it")));
         };
         let number: f32 = match word.parse::<f32>() {
-            Ok(number) if number.is_finite() && (verb == "turn" || number >= 0.0) && number.abs() <= 10_000.0 => number,
-            _ => return Err(fail(word, format!("'{word}' is no number that '{verb}' can take"))),
+            Ok(number)
+                if number.is_finite() && (verb == "turn" || number >= 0.0) && number.abs() <= 10_000.0 =>
+            {
+                number
+            }
+            _ => {
+                return Err(fail(
+                    word,
+                    format!("'{word}' is no number that '{verb}' can take"),
+                ));
+            }
         };
         if let Some(extra) = words.next() {
             return Err(fail(extra, format!("unexpected '{extra}'")));
@@ -205,7 +239,14 @@ impl<'w> Run<'w> {
         if placed.is_err() || population.body(id).is_none_or(|body| body.cell().is_none()) {
             return Err(WalkError::BadStart(*from));
         }
-        let mut run = Run { world, population, scratch, id, ticks: 0, trail: Vec::new() };
+        let mut run = Run {
+            world,
+            population,
+            scratch,
+            id,
+            ticks: 0,
+            trail: Vec::new(),
+        };
         run.record();
         Ok(run)
     }
@@ -215,9 +256,16 @@ impl<'w> Run<'w> {
     }
 
     fn record(&mut self) {
-        let Some(body) = self.population.body(self.id) else { return };
+        let Some(body) = self.population.body(self.id) else {
+            return;
+        };
         let (cell, pos) = (body.cell().unwrap_or_default(), body.position().origin());
-        self.trail.push(TrailStep { t: self.ticks as f32 * TICK, cell, pos, standing: false });
+        self.trail.push(TrailStep {
+            t: self.ticks as f32 * TICK,
+            cell,
+            pos,
+            standing: false,
+        });
     }
 
     fn set_motion(&mut self, motion: Motion) {
@@ -234,7 +282,8 @@ impl<'w> Run<'w> {
         let before = self.position().unwrap_or_default();
         self.ticks += 1;
         let now = f64::from(self.ticks) * f64::from(TICK);
-        self.population.update(self.world, &mut self.scratch, self.id, now)?;
+        self.population
+            .update(self.world, &mut self.scratch, self.id, now)?;
         self.record();
         let after = self.position().unwrap_or_default();
         Ok(before.offset_to(&after).with_z(0.0).length())
@@ -261,7 +310,10 @@ impl<'w> Run<'w> {
             Stretch::Turn(degrees) => {
                 let speed = vestibule_physics::locomotion::TURN_SPEED;
                 let ticks = libm::roundf(degrees.to_radians().abs() / (speed * TICK)) as u32;
-                self.set_motion(Motion { turn: if degrees < 0.0 { -1.0 } else { 1.0 }, ..Motion::default() });
+                self.set_motion(Motion {
+                    turn: if degrees < 0.0 { -1.0 } else { 1.0 },
+                    ..Motion::default()
+                });
                 for _ in 0..ticks.min(STRETCH_TICKS) {
                     self.tick()?;
                 }

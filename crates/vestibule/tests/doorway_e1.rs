@@ -3,8 +3,8 @@
 use glam::{Quat, Vec3};
 use vestibule::dat::primitive::{Bool32, Frame, Plane, Sphere};
 use vestibule::dat::record::{
-    BspKind, BspLeafPhysics, BspNode, BspTag, BspTree, Building, BuildingPortal, CellPortal, CellStruct, EnvCell,
-    Environment, GfxObj, LandBlock, LandBlockInfo, Polygon, Region, Vertex, VertexArray,
+    BspKind, BspLeafPhysics, BspNode, BspTag, BspTree, Building, BuildingPortal, CellPortal, CellStruct,
+    EnvCell, Environment, GfxObj, LandBlock, LandBlockInfo, Polygon, Region, Vertex, VertexArray,
 };
 use vestibule::locate::player_spheres;
 use vestibule::replay;
@@ -47,7 +47,10 @@ const HEIGHT: f32 = 2.5;
 const INNER_Y: f32 = -7.65;
 
 fn plane(normal: [f32; 3], d: f32) -> Plane {
-    Plane { normal: normal.into(), d }
+    Plane {
+        normal: normal.into(),
+        d,
+    }
 }
 
 /// A cell tree: inside is the positive side of every plane.
@@ -63,20 +66,41 @@ fn cell_tree(planes: &[Plane]) -> BspTree {
             polys: Vec::new(),
         })
         .collect();
-    nodes.push(BspNode::Leaf { index: 0, physics: None });
-    BspTree { kind: BspKind::Cell, nodes }
+    nodes.push(BspNode::Leaf {
+        index: 0,
+        physics: None,
+    });
+    BspTree {
+        kind: BspKind::Cell,
+        nodes,
+    }
 }
 
 /// A physics tree with nothing to collide with: a body falls, which no look-up minds.
 fn no_physics() -> BspTree {
-    let leaf = BspLeafPhysics { solid: 0, sphere: Sphere::default(), polys: Vec::new() };
-    BspTree { kind: BspKind::Physics, nodes: vec![BspNode::Leaf { index: 0, physics: Some(leaf) }] }
+    let leaf = BspLeafPhysics {
+        solid: 0,
+        sphere: Sphere::default(),
+        polys: Vec::new(),
+    };
+    BspTree {
+        kind: BspKind::Physics,
+        nodes: vec![BspNode::Leaf {
+            index: 0,
+            physics: Some(leaf),
+        }],
+    }
 }
 
 fn cell_struct(id: u32, planes: &[Plane], portals: &[[[f32; 3]; 4]]) -> CellStruct {
     let corners = portals.iter().flatten().enumerate();
     let vertices = corners
-        .map(|(i, &at)| Vertex { id: i as u16, origin: at.into(), normal: Vec3::Z, uvs: Vec::new() })
+        .map(|(i, &at)| Vertex {
+            id: i as u16,
+            origin: at.into(),
+            normal: Vec3::Z,
+            uvs: Vec::new(),
+        })
         .collect();
     let polygons: Vec<Polygon> = (0..portals.len() as u16)
         .map(|i| Polygon {
@@ -111,8 +135,18 @@ fn doorway() -> World {
     let exit = plane([0.0, 0.994_518_64, -0.104_559_82], 8.561_810_5);
     let inner = plane([0.0, -1.0, 0.0], INNER_Y);
     let vestibule_planes: Vec<Plane> = sides.iter().copied().chain([exit, inner]).collect();
-    let exit_polygon = [[low, -8.609, 0.0], [high, -8.609, 0.0], [high, -8.346_16, HEIGHT], [low, -8.346_16, HEIGHT]];
-    let inner_polygon = [[low, INNER_Y, 0.0], [high, INNER_Y, 0.0], [high, INNER_Y, HEIGHT], [low, INNER_Y, HEIGHT]];
+    let exit_polygon = [
+        [low, -8.609, 0.0],
+        [high, -8.609, 0.0],
+        [high, -8.346_16, HEIGHT],
+        [low, -8.346_16, HEIGHT],
+    ];
+    let inner_polygon = [
+        [low, INNER_Y, 0.0],
+        [high, INNER_Y, 0.0],
+        [high, INNER_Y, HEIGHT],
+        [low, INNER_Y, HEIGHT],
+    ];
     let back = {
         let mut turned = inner_polygon;
         turned.reverse();
@@ -134,7 +168,10 @@ fn doorway() -> World {
         ],
     };
     // Half a turn about z.
-    let frame = Frame { origin: Vec3::new(161.929, 7.503_15, 94.0), rotation: Quat::from_xyzw(0.0, 0.0, 1.0, 0.0) };
+    let frame = Frame {
+        origin: Vec3::new(161.929, 7.503_15, 94.0),
+        rotation: Quat::from_xyzw(0.0, 0.0, 1.0, 0.0),
+    };
     let cell = |low: u32, cell_struct: u16, portals: Vec<CellPortal>| EnvCell {
         id: BLOCK | low,
         flags: EnvCell::SEEN_OUTSIDE,
@@ -155,34 +192,66 @@ fn doorway() -> World {
     let mut put = |store, id, bytes: Vec<u8>| records.insert(store, id, bytes);
     let vestibule = cell(0x170, 0, vec![portal(5, 0, 0xFFFF, -1), portal(3, 1, 0x171, 0)]);
     put(Store::Cell, BLOCK | 0x170, vestibule.encode().unwrap());
-    put(Store::Cell, BLOCK | 0x171, cell(0x171, 1, vec![portal(3, 0, 0x170, 1)]).encode().unwrap());
+    put(
+        Store::Cell,
+        BLOCK | 0x171,
+        cell(0x171, 1, vec![portal(3, 0, 0x170, 1)]).encode().unwrap(),
+    );
     // Ids run without gaps: rooms without portals, which contain nothing.
     for low in 0x100..0x170 {
-        put(Store::Cell, BLOCK | low, cell(low, 1, Vec::new()).encode().unwrap());
+        put(
+            Store::Cell,
+            BLOCK | low,
+            cell(low, 1, Vec::new()).encode().unwrap(),
+        );
     }
     let building = Building {
         model_id: MODEL,
         frame,
         num_leaves: 1,
-        portals: vec![BuildingPortal { flags: 3, other_cell_id: BLOCK | 0x170, other_portal_id: 0, stabs: Vec::new() }],
+        portals: vec![BuildingPortal {
+            flags: 3,
+            other_cell_id: BLOCK | 0x170,
+            other_portal_id: 0,
+            stabs: Vec::new(),
+        }],
     };
-    let info = LandBlockInfo { id: BLOCK | 0xFFFE, num_cells: 0x72, buildings: vec![building], ..Default::default() };
+    let info = LandBlockInfo {
+        id: BLOCK | 0xFFFE,
+        num_cells: 0x72,
+        buildings: vec![building],
+        ..Default::default()
+    };
     put(Store::Cell, BLOCK | 0xFFFE, info.encode().unwrap());
-    let land = LandBlock { id: BLOCK | 0xFFFF, has_objects: Bool32(1), terrain: [0; 81], height: [0; 81] };
+    let land = LandBlock {
+        id: BLOCK | 0xFFFF,
+        has_objects: Bool32(1),
+        terrain: [0; 81],
+        height: [0; 81],
+    };
     put(Store::Cell, BLOCK | 0xFFFF, land.encode().unwrap());
     put(Store::Portal, ENVIRONMENT, environment.encode().unwrap());
-    put(Store::Portal, MODEL, GfxObj { id: MODEL, ..GfxObj::default() }.encode().unwrap());
+    put(
+        Store::Portal,
+        MODEL,
+        GfxObj {
+            id: MODEL,
+            ..GfxObj::default()
+        }
+        .encode()
+        .unwrap(),
+    );
     put(Store::Portal, 0x1300_0000, region());
     World::open(records).unwrap()
 }
 
-/// A region whose lowest ground is the recorded 94 m.
+/// A region whose lowest ground is well below the doorway, so that only cells matter.
 fn region() -> Vec<u8> {
     let dats = vestibule::open_dats(None).unwrap();
     let bytes = dats.get_asset(0x1300_0000).unwrap().unwrap();
     let mut region = Region::parse(0x1300_0000, &bytes).unwrap();
     for (i, height) in region.land_defs.land_height_table.iter_mut().enumerate() {
-        *height = 94.0 + i as f32;
+        *height = 90.0 + i as f32;
     }
     region.encode().unwrap()
 }
@@ -225,12 +294,21 @@ fn e1_as_a_sequence_of_sweeps() {
     let rows = replay::read(LOG, 0xA9B4).unwrap();
     let mut walker = Walker::new(&world, BlockId(0xA9B4));
     let outside = Position::new(CellId(BLOCK | 0x31), Vec3::new(155.38, 16.4, 94.005));
-    let mut footing = vestibule::walker::Footing { at: outside, carried: Default::default(), rise: 0.0 };
+    let mut footing = vestibule::walker::Footing {
+        at: outside,
+        carried: Default::default(),
+        rise: 0.0,
+    };
     for row in &rows {
         // Nothing to stand on was recorded: without contact the body does not look for ground.
         footing.carried = Default::default();
         footing = walker.sweep_to(&footing, row.pos);
         assert_eq!(footing.at.cell, row.cell, "line {}", row.line);
-        assert!(footing.at.origin().distance(row.pos) < 0.01, "line {}: {}", row.line, footing.at);
+        assert!(
+            footing.at.origin().distance(row.pos) < 0.01,
+            "line {}: {}",
+            row.line,
+            footing.at
+        );
     }
 }

@@ -31,10 +31,14 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
-    let text = std::fs::read_to_string(&args.file).with_context(|| format!("cannot read {}", args.file.display()))?;
+    let text = std::fs::read_to_string(&args.file)
+        .with_context(|| format!("cannot read {}", args.file.display()))?;
     let rows = read(&text, args.block.0).map_err(|e| {
         let error = anyhow::Error::from(e).context(format!("cannot understand {}", args.file.display()));
-        hinted(error, "replay reads JSON lines with cell and pos, or rows of number, seed, x, y, z, picked cell")
+        hinted(
+            error,
+            "replay reads JSON lines with cell and pos, or rows of number, seed, x, y, z, picked cell",
+        )
     })?;
     anyhow::ensure!(!rows.is_empty(), "there are no rows in {}", args.file.display());
     let world = context.world()?;
@@ -57,12 +61,22 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
             for d in &report.differences {
                 let [x, y, z] = d.pos;
                 let position = format!("[{x:.4} {y:.4} {z:.4}]");
-                table.row([d.line.to_string(), d.seed.clone(), position, d.recorded.clone(), d.found.clone()]);
+                table.row([
+                    d.line.to_string(),
+                    d.seed.clone(),
+                    position,
+                    d.recorded.clone(),
+                    d.found.clone(),
+                ]);
             }
             table.write(out)?;
         }
         let style = if good { style::GOOD } else { style::BAD };
-        writeln!(out, "{style}replay: {} of {} rows agree{style:#}", report.agree, report.rows)?;
+        writeln!(
+            out,
+            "{style}replay: {} of {} rows agree{style:#}",
+            report.agree, report.rows
+        )?;
     }
     if good { Ok(()) } else { Err(Failed.into()) }
 }

@@ -46,26 +46,35 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let trail = match (&args.to, &args.script) {
         (Some(to), _) => {
             let to = to.position(&world)?;
-            to_target(&world, &from, &to).map_err(|e| hinted(e, "`vestibule where` tells what is at a place"))?
+            to_target(&world, &from, &to)
+                .map_err(|e| hinted(e, "`vestibule where` tells what is at a place"))?
         }
         (None, Some(path)) => {
             let mut text = String::new();
             if path.as_os_str() == "-" {
-                std::io::stdin().read_to_string(&mut text).context("cannot read standard input")?;
+                std::io::stdin()
+                    .read_to_string(&mut text)
+                    .context("cannot read standard input")?;
             } else {
-                text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+                text = std::fs::read_to_string(path)
+                    .with_context(|| format!("cannot read {}", path.display()))?;
             }
             let script = read_script(&text).with_context(|| format!("script {}", path.display()))?;
-            by_script(&world, &from, &script).map_err(|e| hinted(e, "`vestibule where` tells what is at a place"))?
+            by_script(&world, &from, &script)
+                .map_err(|e| hinted(e, "`vestibule where` tells what is at a place"))?
         }
         (None, None) => Vec::new(),
     };
-    let changes = trail.windows(2).filter(|pair| pair[0].cell != pair[1].cell).count();
+    let changes = trail
+        .windows(2)
+        .filter(|pair| pair[0].cell != pair[1].cell)
+        .count();
     let last = trail.last().map(|step| Position::new(step.cell, step.pos));
     let seconds = trail.last().map_or(0.0, |step| step.t);
     match &args.output {
         Some(path) => {
-            let file = std::fs::File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
+            let file =
+                std::fs::File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
             let mut file = BufWriter::new(file);
             write_rows(&trail, &mut file).with_context(|| format!("cannot write {}", path.display()))?;
             file.flush()?;
@@ -76,7 +85,11 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
                 }));
             }
             let end = last.map(|p| p.to_string()).unwrap_or_default();
-            writeln!(context.out, "{} ticks, {seconds:.1} s, {changes} changes of cell", trail.len())?;
+            writeln!(
+                context.out,
+                "{} ticks, {seconds:.1} s, {changes} changes of cell",
+                trail.len()
+            )?;
             writeln!(context.out, "{}end{:#} {end}", style::HEAD, style::HEAD)?;
             writeln!(context.out, "written {}", path.display())?;
         }

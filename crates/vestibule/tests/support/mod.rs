@@ -40,7 +40,9 @@ pub struct Ran {
 
 impl Sandbox {
     pub fn new() -> Self {
-        Sandbox { dir: tempfile::tempdir().expect("a temporary folder can be made") }
+        Sandbox {
+            dir: tempfile::tempdir().expect("a temporary folder can be made"),
+        }
     }
 
     pub fn path(&self) -> &Path {
@@ -73,7 +75,11 @@ impl Sandbox {
 
     /// A line of shell, with the command on the path.
     pub fn shell(&self, line: &str) -> Ran {
-        let bin = Path::new(env!("CARGO_BIN_EXE_vestibule")).parent().unwrap().display().to_string();
+        let bin = Path::new(env!("CARGO_BIN_EXE_vestibule"))
+            .parent()
+            .unwrap()
+            .display()
+            .to_string();
         let path = format!("{bin}:{}", std::env::var("PATH").unwrap_or_default());
         self.spawn(Command::new("sh").args(["-c", line]).env("PATH", path), "")
     }

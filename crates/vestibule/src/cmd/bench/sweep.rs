@@ -69,7 +69,11 @@ fn read_bodies(path: &Path) -> anyhow::Result<Vec<WorkloadBody>> {
             let place = || format!("line {line} of {}", path.display());
             let body: BodyInput = serde_json::from_str(text).with_context(place)?;
             let mover = body.mover().with_context(place)?;
-            Ok(WorkloadBody { mover, start: body.start(), carried: body.carried() })
+            Ok(WorkloadBody {
+                mover,
+                start: body.start(),
+                carried: body.carried(),
+            })
         })
         .collect()
 }
