@@ -79,7 +79,8 @@ fn every_world_verifies_and_is_toured_without_a_change_while_standing() {
         assert_eq!(summary["look_ups_that_differ"], 0, "{name}");
         let entered = summary["env_cells"].as_u64().unwrap();
         let enough = match name.as_str() {
-            "cottage-1-sea" => 1,
+            // The sea keeps everyone in; the hill reaches into the doorway.
+            "cottage-1-sea" | "cottage-1-steep9" => 1,
             n if n.starts_with("cottage-1") => 6,
             "cottage-2" => 11,
             n if n.starts_with("dungeon") => 20,
