@@ -13,15 +13,51 @@ use vestibule_world::{CellId, World};
 
 /// Places: name, cell, eye, point looked at, time of day.
 const PLACES: [(&str, u32, [f32; 3], [f32; 3], f32); 9] = [
-    ("cottage", 0xA9B4_0031, [152.0, 27.0, 95.8], [155.6, 14.0, 95.6], 0.5),
-    ("village", 0xA9B4_0034, [130.0, 40.0, 99.0], [70.0, 90.0, 93.0], 0.5),
-    ("doorway", 0xA9B4_0101, [156.4, 12.9, 95.7], [153.5, 30.0, 95.3], 0.5),
+    (
+        "cottage",
+        0xA9B4_0031,
+        [152.0, 27.0, 95.8],
+        [155.6, 14.0, 95.6],
+        0.5,
+    ),
+    (
+        "village",
+        0xA9B4_0034,
+        [130.0, 40.0, 99.0],
+        [70.0, 90.0, 93.0],
+        0.5,
+    ),
+    (
+        "doorway",
+        0xA9B4_0101,
+        [156.4, 12.9, 95.7],
+        [153.5, 30.0, 95.3],
+        0.5,
+    ),
     ("shop", 0xA9B4_0024, [98.0, 82.6, 95.8], [108.0, 84.4, 93.8], 0.5),
-    ("shop-inside", 0xA9B4_010E, [110.8, 81.2, 94.4], [103.0, 84.6, 94.4], 0.5),
+    (
+        "shop-inside",
+        0xA9B4_010E,
+        [110.8, 81.2, 94.4],
+        [103.0, 84.6, 94.4],
+        0.5,
+    ),
     ("barn", 0xA9B4_001B, [74.0, 63.4, 95.8], [60.0, 60.0, 95.8], 0.5),
-    ("lookout", 0xA9B4_0113, [157.5, 107.0, 104.3], [140.0, 107.6, 101.5], 0.5),
+    (
+        "lookout",
+        0xA9B4_0113,
+        [157.5, 107.0, 104.3],
+        [140.0, 107.6, 101.5],
+        0.5,
+    ),
     ("mine", 0xA9B4_011D, [-4.5, 117.5, 92.9], [0.0, 125.0, 92.4], 0.5),
-    ("evening", 0xA9B4_0034, [130.0, 40.0, 99.0], [70.0, 90.0, 93.0], 0.745),
+    (
+        "evening",
+        0xA9B4_0034,
+        [130.0, 40.0, 99.0],
+        [70.0, 90.0, 93.0],
+        0.745,
+    ),
 ];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -34,7 +70,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let settings = RenderSettings::default();
     let mut draw = |cell: u32, eye: Vec3, at: Vec3, time: f32, size: Vec2| {
         let camera = Camera::new(CellId(cell), eye, at - eye, Vec3::Z, 0.95, size)?;
-        frame.update(&world, &openings, &WorldObjects::new(&world), &FrameInput::new(camera));
+        frame.update(
+            &world,
+            &openings,
+            &WorldObjects::new(&world),
+            &FrameInput::new(camera),
+        );
         let scene = Scene::new(&world, &assets).at_time(time);
         Ok::<_, Box<dyn std::error::Error>>(render(&scene, &frame, &settings)?)
     };
@@ -52,7 +93,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .into_iter()
             .find(|&id| world.env_cell(CellId(id)).is_some_and(|c| c.contains_point(eye)));
         let cell = inside.unwrap_or(0xA9B4_0031);
-        let picture = draw(cell, eye, Vec3::new(155.2, y - 10.0, 95.4), 0.5, Vec2::new(320.0, 240.0))?;
+        let picture = draw(
+            cell,
+            eye,
+            Vec3::new(155.2, y - 10.0, 95.4),
+            0.5,
+            Vec2::new(320.0, 240.0),
+        )?;
         if k % 4 == 0 {
             strip.push(&format!("{} y {y:.2}", CellId(cell)), picture.clone());
         }
