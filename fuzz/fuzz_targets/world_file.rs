@@ -5,14 +5,15 @@
 #[path = "../../crates/vestibule/tests/hostile/mod.rs"]
 mod hostile;
 
+use std::sync::LazyLock;
+
 use vestibule_dat::DatSet;
 use vestibule_world::{CellId, World};
 
-const PORTAL: &[u8] = include_bytes!("../../crates/vestibule/assets/cottage/client_portal.dat");
-const CELL: &[u8] = include_bytes!("../../crates/vestibule/assets/cottage/client_cell_1.dat");
+static FILES: LazyLock<(Vec<u8>, Vec<u8>)> = LazyLock::new(hostile::embedded_files);
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    let (mut portal, mut cell) = (PORTAL.to_vec(), CELL.to_vec());
+    let (mut portal, mut cell) = FILES.clone();
     for change in bytes.chunks_exact(4).take(256) {
         let place = u32::from_le_bytes([change[0], change[1], change[2], 0]) as usize;
         let file = if place & 0x80_0000 != 0 { &mut portal } else { &mut cell };

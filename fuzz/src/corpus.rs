@@ -1,5 +1,5 @@
 //! Writes the corpora that fuzzing starts from, out of the built-in world and folders of DAT files:
-//! `cargo run --release --bin corpus -- OUT [FOLDER...]`.
+//! `cargo run --release --example corpus -- OUT [FOLDER...]`.
 
 #[path = "../../crates/vestibule/tests/hostile/mod.rs"]
 mod hostile;

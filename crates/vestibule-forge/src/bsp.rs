@@ -50,6 +50,9 @@ pub enum BspError {
     /// More polygons than 16-bit ids can name.
     #[error("{0} polygons are more than a BSP tree can name (65,535)")]
     TooManyPolygons(usize),
+    /// More vertices than 16-bit ids can name.
+    #[error("{0} vertices are more than a model can have (65,536)")]
+    TooManyVertices(usize),
     /// Deeper than readers accept (`dat-format.md` G13).
     #[error("the BSP tree would be more than {} nodes deep", BspTree::MAX_DEPTH)]
     TooDeep,

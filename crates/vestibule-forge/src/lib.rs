@@ -35,6 +35,7 @@ mod embedded;
 pub mod geometry;
 mod scene;
 mod scene_path;
+pub mod synthetic;
 mod text;
 pub mod visibility;
 

@@ -5,7 +5,7 @@ use std::io::Write as _;
 
 use glam::{Vec2, Vec3};
 use vestibule_forge::{CompiledWorld, embedded_world};
-use vestibule_world::{BlockId, CellArray, CellId, EnvCell, Sphere, World, find_cell_list};
+use vestibule_world::{BlockId, CellArray, CellId, EnvCell, PortalTarget, Sphere, World, find_cell_list};
 
 mod common;
 use common::Walker;
@@ -114,6 +114,54 @@ fn equal_rooms_share_structures() {
     };
     assert_eq!(structure("deep.gallery"), structure("deep.north_gallery"));
     assert!(compiled.stats.structures < compiled.stats.cells);
+}
+
+#[test]
+fn an_opening_drawn_larger_on_one_side_is_no_exact_match() {
+    let compiled = compiled();
+    let world = world(&compiled);
+    let cell = |name: &str| world.env_cell(compiled.cell_named(name).unwrap()).unwrap();
+    let (arrival, alcove) = (cell("deep.arrival"), cell("deep.alcove"));
+    let leads = |from: &EnvCell, to: CellId| {
+        from.portals
+            .iter()
+            .find(|p| p.other == PortalTarget::Cell(to))
+            .copied()
+    };
+    let there = leads(arrival, alcove.id).expect("a portal");
+    let back = leads(alcove, arrival.id).expect("a portal");
+    assert!(!there.exact_match && !back.exact_match);
+    assert_eq!(
+        (there.other_portal, back.other_portal),
+        (Some(back.record_index), Some(there.record_index))
+    );
+    let gate = cell("mine.gate_tunnel");
+    assert!(gate.portals.iter().all(|p| p.exact_match));
+}
+
+/// An eye in a cellar that looks out must not see the underside of its own house.
+#[test]
+fn shells_are_not_drawn_below_the_ground() {
+    let compiled = compiled();
+    let world = world(&compiled);
+    let block = world.block(BlockId(0xA9B4)).unwrap();
+    assert_eq!(block.buildings.len(), 5);
+    for building in &block.buildings {
+        let model = building.shape.parts[0].model.as_ref().expect("a shell");
+        let openings: Vec<u32> = model.apertures.iter().map(|a| a.polygon).collect();
+        for (k, polygon) in (0u32..).zip(model.polygons.polygons()) {
+            let depth = |v: &Vec3| {
+                let p = building.frame.local_to_global(*v);
+                world.ground_at(building.cell, p).unwrap().z - p.z
+            };
+            let buried = model.polygons.vertices(polygon).iter().all(|v| depth(v) > 0.06);
+            assert!(
+                !buried || openings.contains(&k),
+                "{:?}: {polygon:?}",
+                building.cell
+            );
+        }
+    }
 }
 
 #[test]

@@ -488,7 +488,7 @@ fn touching_slide(body: &Body) -> Option<Vec3> {
 
 /// Friction of a sled from the square of its speed and the slope (`transition.md` 9.4).
 fn sled_friction(s: f32, slope_z: f32, friction: f32) -> f32 {
-    const COS_10_DEGREES: f32 = 0.984_807_75;
+    const COS_10_DEGREES: f32 = 0.984_807_7;
     if s < 1.5625 {
         1.0
     } else if s < 6.25 || slope_z >= COS_10_DEGREES {

@@ -8,7 +8,7 @@ use glam::Vec3;
 use vestibule_world::{Child, ChildKind, Face, PhysicsBsp, PhysicsNode, SURE_OVERLAP, Sphere};
 
 use crate::constants::{ADJUST_TO_PLANE_BUDGET, BISECTION_STOP, EPSILON};
-use crate::polygon;
+use crate::polygon::{self, Overlap};
 
 /// Whether two spheres overlap as the walks see it: grazing ones do (6.1).
 #[inline]
@@ -59,18 +59,21 @@ fn reached_faces<'b>(bsp: &'b PhysicsBsp, leaf: usize, s: &Sphere) -> &'b [Face]
 
 /// The first polygon that the sphere overlaps and moves into (6.4). `named` is left at the last polygon it
 /// overlapped, moved into or not (6.5.3).
+#[inline(always)]
 pub(crate) fn sphere_intersects_poly<'b>(
     bsp: &'b PhysicsBsp,
     s: &Sphere,
     movement: Vec3,
     named: &mut Option<&'b Face>,
 ) -> bool {
-    if bsp.certainly_clear(s.center, s.radius) {
-        return false;
-    }
+    !bsp.certainly_clear(s.center, s.radius) && finds_poly(bsp, s, movement, named)
+}
+
+#[inline(never)]
+fn finds_poly<'b>(bsp: &'b PhysicsBsp, s: &Sphere, movement: Vec3, named: &mut Option<&'b Face>) -> bool {
     match hits(bsp, s, false, |_| true) {
         Hits::None => return false,
-        Hits::One(face) if is_sure(bsp, face, s) => {
+        Hits::One(face, overlap) if is_sure(bsp, face, overlap, s) => {
             *named = Some(face);
             return movement.dot(face.plane.normal) < 0.0;
         }
@@ -82,7 +85,7 @@ pub(crate) fn sphere_intersects_poly<'b>(
 /// The polygons that a sphere overlaps, found without a walk.
 enum Hits<'b> {
     None,
-    One(&'b Face),
+    One(&'b Face, Overlap),
     /// More than one, or the tree is too large to tell quickly.
     Several,
 }
@@ -93,20 +96,27 @@ enum Hits<'b> {
 fn hits<'b>(bsp: &'b PhysicsBsp, s: &Sphere, only_up: bool, filter: impl Fn(&Face) -> bool) -> Hits<'b> {
     let mut hit = None;
     let several = bsp.any_face_near(s.center, s.radius - EPSILON, only_up, |face| {
-        filter(face) && polygon::polygon_hits_sphere(face, bsp.edges(face), s) && hit.replace(face).is_some()
+        if !filter(face) {
+            return false;
+        }
+        let overlap = polygon::overlap(face, bsp.edges(face), s);
+        overlap != Overlap::None && hit.replace((face, overlap)).is_some()
     });
     match (several, hit) {
         (Some(false), None) => Hits::None,
-        (Some(false), Some(face)) => Hits::One(face),
+        (Some(false), Some((face, overlap))) => Hits::One(face, overlap),
         _ => Hits::Several,
     }
 }
 
-/// Whether a walk is certain to reach a polygon that the sphere overlaps.
+/// Whether a walk is certain to reach a polygon that the sphere overlaps: when the overlap is deep enough.
 #[inline]
-fn is_sure(bsp: &PhysicsBsp, face: &Face, s: &Sphere) -> bool {
-    let deep = Sphere::new(s.center, s.radius - SURE_OVERLAP);
-    face.sound && polygon::polygon_hits_sphere(face, bsp.edges(face), &deep)
+fn is_sure(bsp: &PhysicsBsp, face: &Face, overlap: Overlap, s: &Sphere) -> bool {
+    face.sound
+        && match overlap {
+            Overlap::Inside(dist) => dist <= s.radius - (SURE_OVERLAP + EPSILON),
+            _ => polygon::hits_deeper(face, bsp.edges(face), s, SURE_OVERLAP),
+        }
 }
 
 fn intersects_poly<'b>(
@@ -163,19 +173,19 @@ pub(crate) struct WalkableSearch<'b> {
 
 /// Moves the sphere back along its movement onto every polygon level enough to stand on, one after the other
 /// (6.6.2). Never stops early: the last success wins, and each polygon sees the sphere as the last one left it.
+#[inline(never)]
 pub(crate) fn find_walkable<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>) {
-    if bsp.certainly_clear(search.sphere.center, search.sphere.radius) {
-        return;
-    }
     match walkable_hits(bsp, search) {
         Hits::None => {}
-        Hits::One(face) => {
+        Hits::One(face, overlap) => {
             let before = (search.sphere, search.walk_interp);
             if !rest_on(face, search) {
                 return;
             }
             // A walk reaches the face for certain; it finds no more if the moved sphere hits nothing.
-            let alone = is_sure(bsp, face, &before.0) && matches!(walkable_hits(bsp, search), Hits::None);
+            let clear = bsp.certainly_clear(search.sphere.center, search.sphere.radius)
+                || matches!(walkable_hits(bsp, search), Hits::None);
+            let alone = clear && is_sure(bsp, face, overlap, &before.0);
             if !alone {
                 (search.sphere, search.walk_interp) = before;
                 search.found = None;
@@ -297,14 +307,19 @@ pub fn point_intersects_solid(bsp: &PhysicsBsp, p: Vec3) -> bool {
 }
 
 /// Whether the sphere overlaps a polygon, or its centre a solid leaf when `center_check` (6.3.2).
+#[inline(always)]
 pub(crate) fn sphere_intersects_solid(bsp: &PhysicsBsp, s: &Sphere, center_check: bool) -> bool {
     let hollow = !center_check || bsp.open_is_hollow();
-    if hollow && bsp.certainly_clear(s.center, s.radius) {
-        return false;
-    }
+    !(hollow && bsp.certainly_clear(s.center, s.radius)) && finds_solid(bsp, s, center_check)
+}
+
+#[inline(never)]
+fn finds_solid(bsp: &PhysicsBsp, s: &Sphere, center_check: bool) -> bool {
     match hits(bsp, s, false, |_| true) {
-        Hits::None => return center_check && center_is_solid(bsp, s),
-        Hits::One(face) if is_sure(bsp, face, s) => return true,
+        Hits::None => {
+            return center_check && !bsp.is_certainly_hollow_at(s.center) && center_is_solid(bsp, s);
+        }
+        Hits::One(face, overlap) if is_sure(bsp, face, overlap, s) => return true,
         _ => {}
     }
     solid(bsp, bsp.root, s, center_check)

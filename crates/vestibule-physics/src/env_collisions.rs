@@ -12,35 +12,70 @@ use crate::transition::{InsertType, Transition, TransitionState};
 impl<'w> Transition<'w, '_> {
     /// The cell's own surroundings, then its building, then its objects; the first that objects decides (7.1,
     /// 7.4).
+    #[inline(always)]
     pub(crate) fn find_collisions_in_cell(&mut self, cell: CellRef<'w>) -> TransitionState {
         match cell {
             CellRef::Env { cell, block } => match self.find_env_cell_collisions(cell) {
                 TransitionState::Ok => self.find_obj_collisions(cell.id, block),
                 ts => ts,
             },
-            CellRef::Land { id, cell, block } => {
-                let mut ts = self.find_land_cell_collisions(id, cell, block);
-                if let (TransitionState::Ok, Some(index)) = (ts, cell.building) {
-                    if let Some(building) = block.buildings.get(usize::from(index)) {
-                        ts = self.find_building_collisions(building);
-                    }
-                }
-                if ts == TransitionState::Ok {
-                    self.find_obj_collisions(id, block)
-                } else {
-                    ts
-                }
-            }
+            CellRef::Land { id, cell, block } => self.find_collisions_on_land(id, cell, block),
         }
     }
 
+    #[inline(never)]
+    fn find_collisions_on_land(
+        &mut self,
+        id: CellId,
+        cell: &'w LandCell,
+        block: &'w Landblock,
+    ) -> TransitionState {
+        let mut ts = self.find_land_cell_collisions(id, cell, block);
+        if let (TransitionState::Ok, Some(index)) = (ts, cell.building)
+            && let Some(building) = block.buildings.get(usize::from(index))
+        {
+            ts = self.find_building_collisions(building);
+        }
+        if ts == TransitionState::Ok {
+            self.find_obj_collisions(id, block)
+        } else {
+            ts
+        }
+    }
+
+    #[inline(always)]
     fn find_env_cell_collisions(&mut self, cell: &'w EnvCell) -> TransitionState {
-        if let Some(object) = cell.restriction {
-            if !self.may_enter(cell.id, object) {
-                return TransitionState::Collided;
-            }
+        if let Some(object) = cell.restriction
+            && !self.may_enter(cell.id, object)
+        {
+            return TransitionState::Collided;
         }
         self.path.obstruction_ethereal = false;
+        if self.is_in_open_space(cell) {
+            return TransitionState::Ok;
+        }
+        self.find_env_bsp_collisions(cell)
+    }
+
+    /// Whether the candidate certainly overlaps nothing of the cell, whatever is asked (6.10): the usual case.
+    #[inline(always)]
+    fn is_in_open_space(&self, cell: &EnvCell) -> bool {
+        let path = &self.path;
+        if path.check_pos.cell.block() != cell.id.block()
+            || !cell.hints.certainly_clear(&path.global_sphere[0])
+        {
+            return false;
+        }
+        let placing = path.insert_type != InsertType::Transition;
+        if placing && !cell.hints.open_is_hollow() {
+            return false;
+        }
+        let foot_only = path.num_sphere < 2 || (path.step_down && !placing);
+        foot_only || cell.hints.certainly_clear(&path.global_sphere[1])
+    }
+
+    #[inline(never)]
+    fn find_env_bsp_collisions(&mut self, cell: &'w EnvCell) -> TransitionState {
         let Some(bsp) = &cell.structure.physics else {
             return TransitionState::Ok;
         };
@@ -58,6 +93,7 @@ impl<'w> Transition<'w, '_> {
     }
 
     /// A mover that is not in contact has hit its surroundings.
+    #[inline(always)]
     fn note_environment(&mut self, ts: TransitionState) -> TransitionState {
         if ts != TransitionState::Ok && !self.object.is(ObjectState::CONTACT) {
             self.info.collided_with_environment = true;
@@ -89,11 +125,11 @@ impl<'w> Transition<'w, '_> {
         cell: &LandCell,
         block: &Landblock,
     ) -> TransitionState {
-        if let Some(object) = cell.restriction {
-            if !self.may_enter(id, object) {
-                self.handle_move_restriction(id);
-                return TransitionState::Collided;
-            }
+        if let Some(object) = cell.restriction
+            && !self.may_enter(id, object)
+        {
+            self.handle_move_restriction(id);
+            return TransitionState::Collided;
         }
         let offset = self.blk(self.path.check_pos.cell, id);
         let low = self.path.global_low_point - offset;

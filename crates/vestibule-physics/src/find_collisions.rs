@@ -36,6 +36,11 @@ impl<'w> Transition<'w, '_> {
         if path.step_down {
             return self.step_sphere_down(bsp);
         }
+        if !path.collide && bsp.certainly_clear(foot.center, foot.radius) && (!two || self.is_head_clear(bsp))
+        {
+            return TransitionState::Ok;
+        }
+        let path = &self.path;
         let movement = foot.center - path.localspace_curr_foot();
         if path.collide {
             return self.rest_on_walkable(bsp, movement);
@@ -90,6 +95,12 @@ impl<'w> Transition<'w, '_> {
         TransitionState::Ok
     }
 
+    #[inline(always)]
+    fn is_head_clear(&self, bsp: &PhysicsBsp) -> bool {
+        let head = self.path.localspace_head();
+        bsp.certainly_clear(head.center, head.radius)
+    }
+
     fn neg_poly_hit(&mut self, step_up: bool, face: &Face) {
         let n = self.path.localspace_vec_to_global(face.plane.normal);
         self.path.set_neg_poly_hit(step_up, n);
@@ -107,6 +118,9 @@ impl<'w> Transition<'w, '_> {
     fn rest_on_walkable(&mut self, bsp: &'w PhysicsBsp, movement: glam::Vec3) -> TransitionState {
         let path = &self.path;
         let before = path.localspace_foot;
+        if bsp.certainly_clear(before.center, before.radius) {
+            return TransitionState::Ok;
+        }
         let mut search = WalkableSearch {
             sphere: before,
             movement,

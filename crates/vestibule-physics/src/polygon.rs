@@ -12,19 +12,51 @@ fn edge_vector(edges: &[FaceEdge], i: usize) -> Vec3 {
     edges[next].start - edges[i].start
 }
 
+/// How a sphere overlaps a polygon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Overlap {
+    /// Not at all.
+    None,
+    /// Over an edge or a corner.
+    Rim,
+    /// Over the inside, with this distance of the centre from the plane.
+    Inside(f32),
+}
+
 /// Whether the sphere overlaps the polygon (6.5.1).
 #[inline]
 pub(crate) fn polygon_hits_sphere(face: &Face, edges: &[FaceEdge], sphere: &Sphere) -> bool {
+    overlap(face, edges, sphere) != Overlap::None
+}
+
+/// As [`polygon_hits_sphere`], saying how.
+#[inline]
+pub(crate) fn overlap(face: &Face, edges: &[FaceEdge], sphere: &Sphere) -> Overlap {
     let s = face.plane.dist(sphere.center);
     let rho = sphere.radius - EPSILON;
     if rho < s.abs() {
-        return false;
+        return Overlap::None;
     }
     let point = sphere.center - face.plane.normal * s;
-    if edges.iter().all(|e| (point - e.start).dot(e.inward) >= 0.0) {
-        return true;
+    if is_inside(edges, point) {
+        Overlap::Inside(s.abs())
+    } else if edges_reach(edges, point, rho * rho - s * s, false) {
+        Overlap::Rim
+    } else {
+        Overlap::None
     }
-    edges_reach(edges, point, rho * rho - s * s, false)
+}
+
+/// Whether a point of the plane is on the inner side of all edges.
+#[inline]
+fn is_inside(edges: &[FaceEdge], point: Vec3) -> bool {
+    edges.iter().all(|e| (point - e.start).dot(e.inward) >= 0.0)
+}
+
+/// Whether a sphere that is known to overlap the polygon still does with a radius smaller by `less`.
+#[inline]
+pub(crate) fn hits_deeper(face: &Face, edges: &[FaceEdge], sphere: &Sphere, less: f32) -> bool {
+    polygon_hits_sphere(face, edges, &Sphere::new(sphere.center, sphere.radius - less))
 }
 
 /// The loop over edges and corners that 6.5.1 and 6.7.1 share: whether `point` is within the square distance
@@ -113,7 +145,8 @@ pub(crate) fn check_small_walkable(face: &Face, edges: &[FaceEdge], sphere: &Sph
 #[inline]
 fn support(face: &Face, edges: &[FaceEdge], center: Vec3, reach: f32, up: Vec3) -> bool {
     match drop_onto(&face.plane, center, up) {
-        Some(point) => edges_reach(edges, point, reach, true),
+        // Inside all edges the answer is yes, corners or not.
+        Some(point) => is_inside(edges, point) || edges_reach(edges, point, reach, true),
         None => false,
     }
 }

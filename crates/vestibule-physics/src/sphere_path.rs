@@ -62,6 +62,13 @@ pub(crate) struct NegPolyHit {
     pub(crate) normal: Vec3,
 }
 
+/// The candidate that the local foot sphere was worked out for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct LocalKey {
+    origin: Vec3,
+    cell: CellId,
+}
+
 /// A cell and an origin in the frame of its landblock. Rotations are kept apart: within a step they are constant.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pose {
@@ -105,6 +112,7 @@ pub(crate) struct SpherePath<'w> {
     pub(crate) localspace_foot: Sphere,
     pub(crate) localspace: LocalSpace<'w>,
     pub(crate) localspace_z: Vec3,
+    localspace_key: LocalKey,
     /// The sweep has a begin position, and it is indoors.
     pub(crate) began_indoors: bool,
     pub(crate) curr_cell: Option<CellRef<'w>>,
@@ -169,6 +177,10 @@ impl<'w> SpherePath<'w> {
             localspace_foot: Sphere::default(),
             localspace: space,
             localspace_z: UP,
+            localspace_key: LocalKey {
+                origin: Vec3::NAN,
+                cell: CellId::NONE,
+            },
             began_indoors,
             curr_cell: cell,
             curr_pos: pose,
@@ -209,6 +221,7 @@ impl<'w> SpherePath<'w> {
 
     /// Turns the candidate. Its spheres follow when it is next set (3.5.4).
     pub(crate) fn set_check_rotation(&mut self, rotation: Quat) {
+        self.localspace_key.origin = Vec3::NAN;
         self.check_rotation = rotation;
         self.check_arms = Arms::of(&Frame::new(Vec3::ZERO, rotation), &self.local_sphere);
     }
@@ -226,8 +239,11 @@ impl<'w> SpherePath<'w> {
     /// Puts the candidate back to the accepted pose.
     #[inline]
     pub(crate) fn set_check_to_curr(&mut self) {
-        self.check_rotation = self.curr_rotation;
-        self.check_arms = self.curr_arms;
+        if self.check_rotation != self.curr_rotation {
+            self.localspace_key.origin = Vec3::NAN;
+            self.check_rotation = self.curr_rotation;
+            self.check_arms = self.curr_arms;
+        }
         self.set_check_pos(self.curr_pos, self.curr_cell);
     }
 
@@ -318,16 +334,29 @@ impl<'w> SpherePath<'w> {
 
     /// Goes to the space of some geometry and expresses the foot sphere in it (retail
     /// `cache_localspace_sphere`). What else is needed there is worked out when it is.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn cache_localspace_sphere(&mut self, space: LocalSpace<'w>) {
-        self.localspace = space;
-        let [x, y, z] = space.frame.axes();
-        self.localspace_z = Vec3::new(x.z, y.z, z.z);
+        let key = LocalKey {
+            origin: self.check_pos.origin,
+            cell: self.check_pos.cell,
+        };
+        let same_space = core::ptr::eq(self.localspace.frame, space.frame)
+            && self.localspace.cell == space.cell
+            && self.localspace.scale == space.scale;
+        if same_space && self.localspace_key == key {
+            return;
+        }
+        self.localspace_key = key;
+        if !same_space {
+            self.localspace = space;
+            let [x, y, z] = space.frame.axes();
+            self.localspace_z = Vec3::new(x.z, y.z, z.z);
+        }
         self.localspace_foot = self.localspace_check_sphere(0);
     }
 
     /// Sphere `i` of the candidate in the space of the geometry being tested, divided by its scale.
-    #[inline]
+    #[inline(always)]
     fn localspace_check_sphere(&self, i: usize) -> Sphere {
         let center = self.to_localspace(self.check_pos, self.check_arms.center[i]);
         let radius = self.local_sphere[i].radius;
@@ -343,24 +372,31 @@ impl<'w> SpherePath<'w> {
     }
 
     /// The head sphere in the space of the geometry being tested.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn localspace_head(&self) -> Sphere {
         self.localspace_check_sphere(1)
     }
 
     /// The foot sphere's centre at the accepted pose, in the space of the geometry being tested.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn localspace_curr_foot(&self) -> Vec3 {
         self.to_localspace(self.curr_pos, self.curr_arms.center[0])
     }
 
-    #[inline]
+    #[inline(always)]
     fn to_localspace(&self, pose: Pose, arm: Vec3) -> Vec3 {
         let space = &self.localspace;
-        let mut p = pose.origin + arm;
-        if pose.cell.block() != space.cell.block() {
-            p += block_offset(space.cell.block(), pose.cell.block());
+        if pose.cell.block() != space.cell.block() || space.scale != 1.0 {
+            return self.to_other_localspace(pose, arm);
         }
+        space.frame.global_to_local(pose.origin + arm)
+    }
+
+    /// The rarer case: of another landblock, or scaled.
+    #[inline(never)]
+    fn to_other_localspace(&self, pose: Pose, arm: Vec3) -> Vec3 {
+        let space = &self.localspace;
+        let p = block_offset(space.cell.block(), pose.cell.block()) + (pose.origin + arm);
         let local = space.frame.global_to_local(p);
         if space.scale == 1.0 {
             local

@@ -187,6 +187,16 @@ impl Scratch {
         }
     }
 
+    /// Puts back what a sweep left, for its write-back.
+    pub(crate) fn resume(&mut self, cells: &[CellEntry], touched: &[Touch]) {
+        self.cell_array.clear();
+        for entry in cells {
+            self.cell_array.add(entry.id, entry.resident);
+        }
+        self.touched.clear();
+        self.touched.extend_from_slice(touched);
+    }
+
     /// The cells the mover reached when the last sweep ended, in retail's order.
     pub fn cells(&self) -> &[CellEntry] {
         self.cell_array.entries()

@@ -77,6 +77,8 @@ pub(crate) struct Calm {
     reach: f32,
     /// The cell array does not say so.
     array_is_stale: bool,
+    /// Where it was asked for in vain.
+    failed_in: CellId,
 }
 
 impl Calm {
@@ -86,6 +88,7 @@ impl Calm {
         center: Vec3::ZERO,
         reach: 0.0,
         array_is_stale: true,
+        failed_in: CellId::NONE,
     };
 
     #[inline]
@@ -95,6 +98,7 @@ impl Calm {
             center,
             reach: distance * distance,
             array_is_stale: true,
+            failed_in: CellId::NONE,
         }
     }
 
@@ -175,8 +179,15 @@ impl<'w> Transition<'w, '_> {
         cell_ref(self.world, id)
     }
 
+    /// Whether the candidate certainly touches its own cell only.
+    #[inline(always)]
+    pub(crate) fn is_calm(&self) -> bool {
+        self.calm
+            .holds(self.path.check_pos.cell, self.path.global_sphere[0].center)
+    }
+
     /// Rebuilds the cell array for the candidate; the cell that holds the foot sphere's centre if `want_cell`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn build_cell_array(&mut self, want_cell: bool) -> Option<CellId> {
         let seed = self.path.check_pos.cell;
         if self.calm.holds(seed, self.path.global_sphere[0].center) {
@@ -189,6 +200,7 @@ impl<'w> Transition<'w, '_> {
         self.build_any_cell_array(want_cell)
     }
 
+    #[inline(never)]
     fn start_calm_array(&mut self, seed: CellId) {
         self.cell_array.start(seed, true);
         self.cell_array.added_outside = !seed.is_indoor();
@@ -197,6 +209,7 @@ impl<'w> Transition<'w, '_> {
     }
 
     /// An array that was built for the same candidate is the same again.
+    #[inline(never)]
     fn build_any_cell_array(&mut self, want_cell: bool) -> Option<CellId> {
         let path = &mut self.path;
         let seed = path.check_pos.cell;
@@ -205,8 +218,15 @@ impl<'w> Transition<'w, '_> {
         let built = &self.built;
         let same = built.seed == seed && built.centers == [foot, head] && (built.want_cell || !want_cell);
         if !same {
-            let distance = calm_distance(self.world, seed, spheres);
-            if distance > 0.0 && self.keeps_shape {
+            // Where nothing was certain before, nothing is a little farther on.
+            let try_calm = self.keeps_shape && self.calm.failed_in != seed;
+            let distance = if try_calm {
+                calm_distance(self.world, seed, spheres)
+            } else {
+                0.0
+            };
+            self.calm.failed_in = seed;
+            if distance > 0.0 {
                 self.calm = Calm::around(seed, foot, distance);
                 self.path.hits_interior_cell = seed.is_indoor();
                 self.start_calm_array(seed);

@@ -8,7 +8,7 @@ use crate::error::SweepError;
 use crate::flags::{PhysicsState, TransientState};
 use crate::math::{heading_to_rotation, length, vector_to_heading};
 use crate::population::{BodyId, Population};
-use crate::sweep::Scratch;
+use crate::sweep::{Scratch, Swept};
 
 /// The pieces in which a span of time is integrated (`transition.md` 9.8). Iterate over the lengths in seconds;
 /// what is too short is left for later.
@@ -48,6 +48,15 @@ impl Iterator for Quanta {
     }
 }
 
+/// What a body is to do in a step of a [`crate::Simulation`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Motive {
+    /// To sweep, after its own motion over `q` seconds.
+    Sweep { from: Position, to: Position, q: f32 },
+    /// To be stepped by itself.
+    Alone,
+}
+
 impl Population {
     /// Moves a body on to the time `now`, seconds on the caller's clock, by its own motion and physics
     /// (`transition.md` 9.8). What happens is left in [`Scratch::events`].
@@ -82,24 +91,9 @@ impl Population {
         motion: impl Fn(&crate::body::Body, f32) -> Frame,
     ) -> Result<(), SweepError> {
         scratch.events.clear();
-        let far = self.is_far(id);
-        let body = self.body_mut(id).ok_or(SweepError::NoSuchBody)?;
-        if !now.is_finite() {
-            return Err(SweepError::NotFinite { what: "time" });
-        }
-        if body.parent.is_some() || body.cell.is_none() || body.state.has(PhysicsState::FROZEN) || far {
-            body.transient.set(TransientState::ACTIVE, false);
+        let Some(elapsed) = self.elapsed(id, now)? else {
             return Ok(());
-        }
-        if !body.state.has(PhysicsState::STATIC) && !body.transient.has(TransientState::ACTIVE) {
-            body.transient.set(TransientState::ACTIVE, true);
-            body.update_time = now;
-        }
-        let elapsed = now - body.update_time;
-        if Quanta::resets_clock(elapsed) {
-            body.update_time = now;
-            return Ok(());
-        }
+        };
         for q in Quanta::of(elapsed) {
             if let Some(body) = self.body_mut(id) {
                 body.update_time += q;
@@ -136,8 +130,24 @@ impl Population {
         if body.transient.has(TransientState::CHECK_ETHEREAL) {
             self.try_end_ethereal(world, scratch, id);
         }
+        if let Some((from, to)) = self.integrate(scratch, id, q, motion)? {
+            let swept = self.sweep(world, scratch, id, &to)?;
+            self.end_update(world, scratch, id, &from, &to, q, &swept);
+        }
+        Ok(())
+    }
+
+    /// The first half of an integration step: the body's own motion. `None` when there is nothing to sweep, else
+    /// where from and where to.
+    fn integrate(
+        &mut self,
+        scratch: &mut Scratch,
+        id: BodyId,
+        q: f32,
+        motion: &impl Fn(&crate::body::Body, f32) -> Frame,
+    ) -> Result<Option<(Position, Position)>, SweepError> {
         let Some(body) = self.body_mut(id) else {
-            return Ok(());
+            return Ok(None);
         };
         body.jumped_this_frame = false;
         let old = body.position;
@@ -156,14 +166,14 @@ impl Population {
                 body.transient.set(TransientState::ACTIVE, false);
             }
             body.set_frame(Frame::new(old.frame.origin, frame.rotation()));
-            return Ok(());
+            return Ok(None);
         }
         let moved = frame.origin - old.frame.origin;
         if moved.abs().max_element() < EPSILON {
             body.set_frame(Frame::new(old.frame.origin, frame.rotation()));
             body.cached_velocity = glam::Vec3::ZERO;
-            self.move_children_of(id, scratch);
-            return Ok(());
+            self.move_children_of(id);
+            return Ok(None);
         }
         if body.state.has(PhysicsState::ALIGNPATH) {
             frame.set_rotation(heading_to_rotation(vector_to_heading(moved)));
@@ -174,24 +184,92 @@ impl Population {
             cell: old.cell,
             frame,
         };
-        let swept = self.sweep(world, scratch, id, &to)?;
-        let Some(body) = self.body_mut(id) else {
-            return Ok(());
-        };
-        if swept.ok {
-            body.cached_velocity = old.offset_to(&swept.position) / q;
-            self.commit(world, scratch, id, &swept);
-        } else {
-            body.set_frame(Frame::new(old.frame.origin, frame.rotation()));
-            body.cached_velocity = glam::Vec3::ZERO;
-            self.move_children_of(id, scratch);
-        }
-        Ok(())
+        Ok(Some((old, to)))
     }
 
-    fn move_children_of(&mut self, id: BodyId, scratch: &mut Scratch) {
+    /// The second half of an integration step: what the sweep found is written back. `scratch` must be as the
+    /// sweep left it.
+    #[expect(clippy::too_many_arguments, reason = "the two halves of a step share them")]
+    pub(crate) fn end_update(
+        &mut self,
+        world: &World,
+        scratch: &mut Scratch,
+        id: BodyId,
+        from: &Position,
+        to: &Position,
+        q: f32,
+        swept: &Swept,
+    ) {
+        let Some(body) = self.body_mut(id) else { return };
+        if swept.ok {
+            body.cached_velocity = from.offset_to(&swept.position) / q;
+            self.commit(world, scratch, id, swept);
+        } else {
+            body.set_frame(Frame::new(from.frame.origin, to.frame.rotation()));
+            body.cached_velocity = glam::Vec3::ZERO;
+            self.move_children_of(id);
+        }
+    }
+
+    /// Begins a step to the time `now` whose sweep is made elsewhere: the body's own motion is integrated.
+    /// `None` when there is nothing to sweep.
+    pub(crate) fn begin_update(
+        &mut self,
+        scratch: &mut Scratch,
+        id: BodyId,
+        now: f64,
+    ) -> Result<Option<Motive>, SweepError> {
+        let Some(elapsed) = self.elapsed(id, now)? else {
+            return Ok(None);
+        };
+        let mut quanta = Quanta::of(elapsed);
+        let (Some(q), None) = (quanta.next(), quanta.next()) else {
+            // Nothing is due, or more than one piece of time.
+            return Ok(Quanta::of(elapsed).next().map(|_| Motive::Alone));
+        };
+        let body = self.body_mut(id).ok_or(SweepError::NoSuchBody)?;
+        if body.transient.has(TransientState::CHECK_ETHEREAL) || !body.children.is_empty() {
+            return Ok(Some(Motive::Alone));
+        }
+        body.update_time += q;
+        let motion = |body: &crate::body::Body, q: f32| {
+            body.locomotion
+                .map_or(Frame::IDENTITY, |legs| legs.root_motion(q))
+        };
+        let moved = self.integrate(scratch, id, q as f32, &motion)?;
+        Ok(moved.map(|(from, to)| Motive::Sweep {
+            from,
+            to,
+            q: q as f32,
+        }))
+    }
+
+    /// The time that has passed for a body, seconds; `None` when it rests, or its clock had to be set.
+    fn elapsed(&mut self, id: BodyId, now: f64) -> Result<Option<f64>, SweepError> {
+        let far = self.is_far(id);
+        let body = self.body_mut(id).ok_or(SweepError::NoSuchBody)?;
+        if !now.is_finite() {
+            return Err(SweepError::NotFinite { what: "time" });
+        }
+        if body.parent.is_some() || body.cell.is_none() || body.state.has(PhysicsState::FROZEN) || far {
+            body.transient.set(TransientState::ACTIVE, false);
+            return Ok(None);
+        }
+        if !body.state.has(PhysicsState::STATIC) && !body.transient.has(TransientState::ACTIVE) {
+            body.transient.set(TransientState::ACTIVE, true);
+            body.update_time = now;
+        }
+        let elapsed = now - body.update_time;
+        if Quanta::resets_clock(elapsed) {
+            body.update_time = now;
+            return Ok(None);
+        }
+        Ok(Some(elapsed))
+    }
+
+    fn move_children_of(&mut self, id: BodyId) {
         if self.body(id).is_some_and(|body| !body.children.is_empty()) {
-            self.move_children(id, scratch);
+            self.move_children(id);
         }
     }
 

@@ -13,6 +13,8 @@ pub struct Frame {
     pub origin: Vec3,
     rotation: Quat,
     rows: [Vec3; 3],
+    /// The rows turned, padded to four lanes: what [`Frame::global_to_local_vec`] multiplies with.
+    columns: [[f32; 4]; 3],
 }
 
 impl Default for Frame {
@@ -27,14 +29,17 @@ impl Frame {
         origin: Vec3::ZERO,
         rotation: Quat::IDENTITY,
         rows: [Vec3::X, Vec3::Y, Vec3::Z],
+        columns: columns(&[Vec3::X, Vec3::Y, Vec3::Z]),
     };
 
     /// A frame from its parts; the quaternion is used as it is, not normalised.
     pub fn new(origin: Vec3, rotation: Quat) -> Self {
+        let rows = rows(rotation);
         Frame {
             origin,
             rotation,
-            rows: rows(rotation),
+            rows,
+            columns: columns(&rows),
         }
     }
 
@@ -54,8 +59,7 @@ impl Frame {
 
     /// Replaces the rotation, keeping the origin.
     pub fn set_rotation(&mut self, rotation: Quat) {
-        self.rotation = rotation;
-        self.rows = rows(rotation);
+        *self = Frame::new(self.origin, rotation);
     }
 
     /// The local axes in the enclosing frame.
@@ -90,8 +94,13 @@ impl Frame {
     /// A direction of the enclosing frame in local coordinates (retail `globaltolocalvec`).
     #[inline]
     pub fn global_to_local_vec(&self, v: Vec3) -> Vec3 {
-        let dot = |r: &Vec3| v.x * r.x + v.y * r.y + v.z * r.z;
-        Vec3::new(dot(&self.rows[0]), dot(&self.rows[1]), dot(&self.rows[2]))
+        // Lane i is the dot product with row i, its terms added in order.
+        let [a, b, c] = &self.columns;
+        let mut out = [0.0; 4];
+        for i in 0..4 {
+            out[i] = v.x * a[i] + v.y * b[i] + v.z * c[i];
+        }
+        Vec3::new(out[0], out[1], out[2])
     }
 
     /// `inner`, given in this frame, expressed in the enclosing one; the product is renormalised
@@ -107,6 +116,11 @@ impl Frame {
     pub fn is_finite(&self) -> bool {
         self.origin.is_finite() && self.rotation.is_finite()
     }
+}
+
+const fn columns(rows: &[Vec3; 3]) -> [[f32; 4]; 3] {
+    let [a, b, c] = rows;
+    [[a.x, b.x, c.x, 0.0], [a.y, b.y, c.y, 0.0], [a.z, b.z, c.z, 0.0]]
 }
 
 /// The quaternion at unit length; the identity when it has none.

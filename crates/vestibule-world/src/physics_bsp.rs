@@ -377,14 +377,13 @@ impl PhysicsBsp {
         // An overlap must be deeper than epsilon; rounding is far below the rest.
         let r = radius - 0.75 * EPSILON;
         let BoundingBox { min, max } = &self.open;
-        let inside = (radius > LEAST_CLEAR_RADIUS)
-            & (center.x - r > min.x)
-            & (center.x + r < max.x)
-            & (center.y - r > min.y)
-            & (center.y + r < max.y)
-            & (center.z - r > min.z)
-            & (center.z + r < max.z);
-        inside
+        radius > LEAST_CLEAR_RADIUS
+            && center.x - r > min.x
+            && center.x + r < max.x
+            && center.y - r > min.y
+            && center.y + r < max.y
+            && center.z - r > min.z
+            && center.z + r < max.z
     }
 
     /// Whether some polygon whose plane is within `reach` of `center` passes `test`. With `only_up` polygons that
@@ -414,6 +413,25 @@ impl PhysicsBsp {
         Some(false)
     }
 
+    /// Whether a point is certainly not in a leaf that is solid and has polygons.
+    #[inline]
+    pub fn is_certainly_hollow_at(&self, p: Vec3) -> bool {
+        let inset = LEAST_CLEAR_RADIUS - 0.01;
+        let BoundingBox { min, max } = &self.open;
+        self.open_is_hollow
+            && p.x - inset > min.x
+            && p.x + inset < max.x
+            && p.y - inset > min.y
+            && p.y + inset < max.y
+            && p.z - inset > min.z
+            && p.z + inset < max.z
+    }
+
+    /// The box of open space; inside out when there is none.
+    pub(crate) fn open_box(&self) -> BoundingBox {
+        self.open
+    }
+
     /// Whether no point of the open space of [`PhysicsBsp::certainly_clear`] is in a leaf that is solid and has
     /// polygons.
     #[inline]
@@ -437,7 +455,7 @@ impl PhysicsBsp {
 }
 
 /// Smaller spheres are not said to be clear.
-const LEAST_CLEAR_RADIUS: f32 = 0.06;
+pub(crate) const LEAST_CLEAR_RADIUS: f32 = 0.06;
 
 /// The piece of a polygon in front of a plane.
 fn clipped(polygon: &[Vec3], plane: &Plane) -> Vec<Vec3> {
@@ -458,7 +476,7 @@ fn clipped(polygon: &[Vec3], plane: &Plane) -> Vec<Vec3> {
 }
 
 /// A box that holds nothing.
-const NO_BOX: BoundingBox = BoundingBox {
+pub(crate) const NO_BOX: BoundingBox = BoundingBox {
     min: Vec3::INFINITY,
     max: Vec3::NEG_INFINITY,
 };

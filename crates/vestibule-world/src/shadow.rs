@@ -39,6 +39,12 @@ impl ShadowLists {
         refs.iter().copied().zip(self.reaches.get(range).unwrap_or(&[]))
     }
 
+    /// Whether no static object reaches a cell.
+    #[inline]
+    pub fn is_empty_in(&self, cell: CellId) -> bool {
+        self.range(cell).is_empty()
+    }
+
     #[inline]
     fn range(&self, cell: CellId) -> core::ops::Range<usize> {
         let Some(slot) = slot(cell) else { return 0..0 };

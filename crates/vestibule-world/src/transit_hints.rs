@@ -7,6 +7,7 @@ use crate::constants::{CELL_BSP_SPHERE_FUDGE, EPSILON};
 use crate::env_cell::{CellPortal, EnvCell, PortalTarget};
 use crate::frame::Frame;
 use crate::geometry::{BoundingBox, Plane, Sphere};
+use crate::physics_bsp::{LEAST_CLEAR_RADIUS, NO_BOX};
 
 /// How far a hint stays away from the exact answer, metres: many times the rounding of coordinates up to
 /// [`MAX_COORDINATE`].
@@ -22,12 +23,53 @@ pub struct TransitHints {
     away: Box<[Plane]>,
     /// The planes of the cell BSP.
     planes: Box<[Plane]>,
+    /// No polygon of the physics BSP enters this box; inside out when there is none.
+    open: OpenSpace,
+}
+
+/// Open space of a cell in the frame of its landblock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct OpenSpace {
+    bounds: BoundingBox,
+    is_hollow: bool,
+}
+
+impl Default for OpenSpace {
+    fn default() -> Self {
+        OpenSpace {
+            bounds: NO_BOX,
+            is_hollow: false,
+        }
+    }
 }
 
 impl TransitHints {
     /// Memory behind the hints, bytes.
     pub(crate) fn memory(&self) -> usize {
         size_of_val(&*self.away) + size_of_val(&*self.planes)
+    }
+
+    /// Whether a sphere in the frame of the cell's landblock certainly overlaps no polygon of the cell's physics
+    /// BSP, by the tolerance of sphere tests: one that rests on a floor does not.
+    #[inline(always)]
+    pub fn certainly_clear(&self, sphere: &Sphere) -> bool {
+        // An overlap must be deeper than epsilon. A quarter of it is for bodies at rest, the rest for rounding.
+        let r = sphere.radius - 0.25 * EPSILON;
+        let c = sphere.center;
+        let BoundingBox { min, max } = &self.open.bounds;
+        sphere.radius > LEAST_CLEAR_RADIUS
+            && c.x - r > min.x
+            && c.x + r < max.x
+            && c.y - r > min.y
+            && c.y + r < max.y
+            && c.z - r > min.z
+            && c.z + r < max.z
+    }
+
+    /// Whether no centre of a sphere that is certainly clear is in a leaf that is solid and has polygons.
+    #[inline(always)]
+    pub fn open_is_hollow(&self) -> bool {
+        self.open.is_hollow
     }
 
     /// Whether `q` is certainly inside the cell.
@@ -173,6 +215,60 @@ fn hints_of(cell: &EnvCell, cells: &[Option<EnvCell>]) -> TransitHints {
             .map(|portal| away_from(cell, portal, cells))
             .collect(),
         planes: global_planes(cell),
+        open: open_space_of(cell),
+    }
+}
+
+/// The open space of the cell's physics BSP, or a part of it that is square to the landblock.
+fn open_space_of(cell: &EnvCell) -> OpenSpace {
+    /// Beyond this, rounding eats up the tolerance of sphere tests, metres.
+    const MAX_OPEN_COORDINATE: f32 = 256.0;
+    /// Quarter turns as stored are this exact over the size of a room, metres.
+    const TURN: f32 = 2e-5;
+    let Some(physics) = &cell.structure.physics else {
+        return OpenSpace::default();
+    };
+    let local = physics.open_box();
+    if !(local.min.is_finite() && local.max.is_finite()) {
+        return OpenSpace::default();
+    }
+    let hull = local.mapped(|p| cell.frame.local_to_global(p));
+    let (center, half) = ((hull.min + hull.max) * 0.5, (hull.max - hull.min) * 0.5);
+    let outer = BoundingBox {
+        min: local.min - Vec3::splat(TURN),
+        max: local.max + Vec3::splat(TURN),
+    };
+    let fits = |b: &BoundingBox| {
+        let near = |v: Vec3| v.abs().max_element() < MAX_OPEN_COORDINATE;
+        near(b.min)
+            && near(b.max)
+            && b.corners().iter().all(|&c| {
+                let p = cell.frame.global_to_local(c);
+                p.cmpge(outer.min).all() && p.cmple(outer.max).all()
+            })
+    };
+    let shrunk = |k: f32| BoundingBox {
+        min: center - Vec3::new(half.x * k, half.y * k, half.z),
+        max: center + Vec3::new(half.x * k, half.y * k, half.z),
+    };
+    let exact = BoundingBox {
+        min: hull.min,
+        max: hull.max,
+    };
+    let candidates = [
+        exact,
+        shrunk(0.9),
+        shrunk(0.8),
+        shrunk(0.7),
+        shrunk(0.6),
+        shrunk(0.5),
+    ];
+    match candidates.iter().find(|b| fits(b)) {
+        Some(&bounds) => OpenSpace {
+            bounds,
+            is_hollow: physics.open_is_hollow(),
+        },
+        None => OpenSpace::default(),
     }
 }
 

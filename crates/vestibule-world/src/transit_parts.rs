@@ -129,7 +129,8 @@ fn add_all_outside_cells_of_parts(world: &World, own: CellId, parts: &[PartBound
     let (mut min, mut max) = ((0, 0), (0, 0));
     for part in parts {
         let hull = part.box_in_block(offset);
-        let cell = |v: f32, base: i32| libm::floorf(v / SQUARE_LENGTH) as i32 - base;
+        // A box of a damaged model may lie at the end of the numbers.
+        let cell = |v: f32, base: i32| (libm::floorf(v / SQUARE_LENGTH) as i32).saturating_sub(base);
         min = (min.0.min(cell(hull.min.x, bx)), min.1.min(cell(hull.min.y, by)));
         max = (max.0.max(cell(hull.max.x, bx)), max.1.max(cell(hull.max.y, by)));
     }

@@ -284,3 +284,75 @@ fn landblocks_load_once_from_many_threads() {
     });
     assert!(addresses.windows(2).all(|w| w[0] == w[1]));
 }
+
+/// Found by fuzzing: a model whose corners lie at the end of the numbers.
+#[test]
+fn a_model_as_wide_as_the_numbers_is_listed_in_its_own_cell() {
+    let mut b = Builder::new(0xA9B4);
+    let far = 3.0e38;
+    b.model(
+        0x0100_0009,
+        &[vec![
+            Vec3::new(-far, -far, 0.0),
+            Vec3::new(far, -far, 0.0),
+            Vec3::new(0.0, far, 1.0),
+        ]],
+        true,
+    );
+    b.info.objects.push(Stab {
+        id: 0x0100_0009,
+        frame: at(100.0, 100.0, 0.0),
+    });
+    let world = b.world();
+    assert_eq!(statics(&world, 0xA9B4_0025), [0]);
+    assert_eq!(statics(&world, 0xA9B4_0001), [] as [u32; 0]);
+}
+
+/// Polygons and vertices by ids in falling order: looking each up by search would take minutes.
+#[test]
+fn ids_in_falling_order_load_in_no_time() {
+    use vestibule_dat::record::{BspKind, BspLeafPhysics, BspNode, BspTree, GfxObj, GfxObjPolygons};
+    let count = 30_000u16;
+    let vertices: Vec<_> = (0..count)
+        .map(|i| vestibule_dat::record::Vertex {
+            id: count - i,
+            origin: Vec3::new(f32::from(i % 7), f32::from(i % 11), f32::from(i % 3)),
+            normal: Vec3::Z,
+            uvs: Vec::new(),
+        })
+        .collect();
+    let polygons: Vec<_> = (0..count - 3)
+        .map(|i| common::polygon(count - i, vec![1 + i, 2 + i, 3 + i]))
+        .collect();
+    let leaf = BspNode::Leaf {
+        index: 0,
+        physics: Some(BspLeafPhysics {
+            solid: 0,
+            sphere: vestibule_dat::primitive::Sphere {
+                center: Vec3::ZERO,
+                radius: 20.0,
+            },
+            polys: (0..30u16).flat_map(|_| 4..count).collect(),
+        }),
+    };
+    let model = GfxObj {
+        id: 0x0100_0009,
+        flags: 1,
+        physics: Some(GfxObjPolygons {
+            polygons,
+            form: Default::default(),
+            bsp: BspTree {
+                kind: BspKind::Physics,
+                nodes: vec![leaf],
+            },
+        }),
+        vertices: vestibule_dat::record::VertexArray { vertices },
+        ..Default::default()
+    };
+    let mut b = Builder::new(0xA9B4);
+    b.records
+        .insert(vestibule_world::Store::Portal, model.id, model.encode().unwrap());
+    let world = b.world();
+    let compiled = world.model(model.id, 0).expect("a model");
+    assert!(compiled.physics.is_some());
+}

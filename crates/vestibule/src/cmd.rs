@@ -10,8 +10,10 @@ mod ls;
 mod map;
 mod place;
 mod refs;
+mod replay;
 mod tour;
 mod visible;
+mod walk;
 mod wheres;
 
 use crate::ui::Context;
@@ -24,6 +26,8 @@ pub(crate) enum Command {
     Ls(ls::Args),
     Refs(refs::Args),
     Visible(visible::Args),
+    Walk(walk::Args),
+    Replay(replay::Args),
     Map(map::Args),
     Build(build::Args),
     #[command(subcommand)]
@@ -44,6 +48,8 @@ impl Command {
             Command::Build(args) => build::run(args, context),
             Command::Visible(args) => visible::run(args, context),
             Command::Bench(command) => command.run(context),
+            Command::Walk(args) => walk::run(args, context),
+            Command::Replay(args) => replay::run(args, context),
             Command::Map(args) => map::run(args, context),
             Command::Dat(command) => command.run(context),
             Command::Conform(args) => conform::run(args, context),

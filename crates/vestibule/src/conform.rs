@@ -86,8 +86,10 @@ pub fn run(folder: &Path, cases: &[Case], progress: &mut dyn FnMut(u64)) -> Resu
         // Cases come world by world: one at a time is enough in memory.
         if stage.as_ref().is_none_or(|(name, _)| *name != case.world) {
             let path = folder.join("worlds").join(&case.world);
-            let world = open_world(Some(&path))
-                .map_err(|source| ConformError::World { name: case.world.clone(), source: Box::new(source) })?;
+            let world = open_world(Some(&path)).map_err(|source| ConformError::World {
+                name: case.world.clone(),
+                source: Box::new(source),
+            })?;
             stage = Some((&case.world, Stage::new(world)));
         }
         let Some((_, stage)) = &mut stage else { continue };
@@ -102,14 +104,21 @@ pub fn run(folder: &Path, cases: &[Case], progress: &mut dyn FnMut(u64)) -> Resu
 /// Compares two values exactly and notes a difference.
 fn exactly(out: &mut Vec<FieldDifference>, field: &str, expected: Value, actual: Value) {
     if expected != actual {
-        out.push(FieldDifference { field: field.to_owned(), expected, actual });
+        out.push(FieldDifference {
+            field: field.to_owned(),
+            expected,
+            actual,
+        });
     }
 }
 
 /// Compares numbers within a tolerance and notes a difference.
 fn within(out: &mut Vec<FieldDifference>, field: &str, expected: &[f32], actual: &[f32], tolerance: f32) {
     let close = expected.len() == actual.len()
-        && expected.iter().zip(actual).all(|(a, b)| (a - b).abs() <= tolerance);
+        && expected
+            .iter()
+            .zip(actual)
+            .all(|(a, b)| (a - b).abs() <= tolerance);
     if !close {
         out.push(FieldDifference {
             field: field.to_owned(),

@@ -12,11 +12,44 @@ const LINE: usize = 100;
 
 /// Fields whose numbers are ids or flags, and are written in hexadecimal.
 const HEX_FIELDS: &[&str] = &[
-    "id", "id_again", "surfaces", "environment", "other_cell_id", "stabs", "restriction", "model_id", "parts",
-    "texture", "textures", "palette", "gfx_obj", "object_id", "degrade_id", "default_animation", "default_script",
-    "default_motion_table", "default_sound_table", "default_script_table", "sound_table", "scenes", "pes",
-    "detail_texture", "game_map", "autotest_map", "clear_cell", "clear_monster", "flags", "colors", "color",
-    "dir_color", "amb_color", "fog_color", "surface_type", "properties", "pack_mask", "parts_mask",
+    "id",
+    "id_again",
+    "surfaces",
+    "environment",
+    "other_cell_id",
+    "stabs",
+    "restriction",
+    "model_id",
+    "parts",
+    "texture",
+    "textures",
+    "palette",
+    "gfx_obj",
+    "object_id",
+    "degrade_id",
+    "default_animation",
+    "default_script",
+    "default_motion_table",
+    "default_sound_table",
+    "default_script_table",
+    "sound_table",
+    "scenes",
+    "pes",
+    "detail_texture",
+    "game_map",
+    "autotest_map",
+    "clear_cell",
+    "clear_monster",
+    "flags",
+    "colors",
+    "color",
+    "dir_color",
+    "amb_color",
+    "fog_color",
+    "surface_type",
+    "properties",
+    "pack_mask",
+    "parts_mask",
 ];
 
 /// A record as JSON: its fields by name, ids and flags as `"0x..."`, long runs of bytes as one string of hexadecimal
@@ -55,7 +88,11 @@ fn notes(record: &Record) -> Vec<String> {
     let mut out = Vec::new();
     match record {
         Record::EnvCell(cell) => {
-            let sees = if cell.seen_outside() { "the landscape can be seen from here" } else { "sealed from the landscape" };
+            let sees = if cell.seen_outside() {
+                "the landscape can be seen from here"
+            } else {
+                "sealed from the landscape"
+            };
             out.push(sees.to_owned());
             for (i, portal) in cell.portals.iter().enumerate() {
                 let to = match portal.other_cell() {
@@ -65,8 +102,16 @@ fn notes(record: &Record) -> Vec<String> {
                         None => format!("0x{id:08X}"),
                     },
                 };
-                let exact = if portal.exact_match() { "exact" } else { "not exact" };
-                let side = if portal.portal_side() == 1 { "negative" } else { "positive" };
+                let exact = if portal.exact_match() {
+                    "exact"
+                } else {
+                    "not exact"
+                };
+                let side = if portal.portal_side() == 1 {
+                    "negative"
+                } else {
+                    "positive"
+                };
                 out.push(format!(
                     "portal {i}: polygon {} to {to}; {exact}, interior on the {side} side",
                     portal.polygon_id
@@ -109,7 +154,11 @@ fn notes(record: &Record) -> Vec<String> {
             ));
             for (name, part) in [("physics", &model.physics), ("drawing", &model.drawing)] {
                 if let Some(part) = part {
-                    out.push(format!("{name}: {} polygons; {}", part.polygons.len(), tree(&part.bsp)));
+                    out.push(format!(
+                        "{name}: {} polygons; {}",
+                        part.polygons.len(),
+                        tree(&part.bsp)
+                    ));
                 }
             }
         }
@@ -120,7 +169,12 @@ fn notes(record: &Record) -> Vec<String> {
             setup.spheres.len()
         )),
         Record::RenderSurface(surface) => {
-            out.push(format!("{} x {} pixels, {} bytes", surface.width, surface.height, surface.pixels.len()));
+            out.push(format!(
+                "{} x {} pixels, {} bytes",
+                surface.width,
+                surface.height,
+                surface.pixels.len()
+            ));
         }
         _ => {}
     }
@@ -136,7 +190,10 @@ fn tree(bsp: &BspTree) -> String {
             None => tags.push((node.tag(), 1)),
         }
     }
-    let tags: Vec<String> = tags.iter().map(|&(tag, n)| format!("{n} {}", BspTag::text(tag))).collect();
+    let tags: Vec<String> = tags
+        .iter()
+        .map(|&(tag, n)| format!("{n} {}", BspTag::text(tag)))
+        .collect();
     format!("{} nodes ({})", bsp.nodes.len(), tags.join(", "))
 }
 
@@ -157,8 +214,10 @@ fn tidy(value: &mut Value, key: &str) {
     }
     if matches!(key, "pixels" | "payload" | "bytes") {
         if let Value::Array(items) = value {
-            let bytes: Option<Vec<u8>> =
-                items.iter().map(|item| item.as_u64().and_then(|b| u8::try_from(b).ok())).collect();
+            let bytes: Option<Vec<u8>> = items
+                .iter()
+                .map(|item| item.as_u64().and_then(|b| u8::try_from(b).ok()))
+                .collect();
             if let Some(bytes) = bytes {
                 *value = hex_digits(&bytes).into();
             }
@@ -190,17 +249,29 @@ fn tidy(value: &mut Value, key: &str) {
 
 /// The text of a string as records store it.
 fn legacy_string(value: &Value) -> Option<String> {
-    let map = value.as_object().filter(|map| map.len() == 2 && map.contains_key("long_form"))?;
-    let bytes: Option<Vec<u8>> =
-        map.get("bytes")?.as_array()?.iter().map(|b| b.as_u64().and_then(|b| u8::try_from(b).ok())).collect();
-    Some(vestibule_dat::primitive::LegacyString::new(bytes?).text().into_owned())
+    let map = value
+        .as_object()
+        .filter(|map| map.len() == 2 && map.contains_key("long_form"))?;
+    let bytes: Option<Vec<u8>> = map
+        .get("bytes")?
+        .as_array()?
+        .iter()
+        .map(|b| b.as_u64().and_then(|b| u8::try_from(b).ok()))
+        .collect();
+    Some(
+        vestibule_dat::primitive::LegacyString::new(bytes?)
+            .text()
+            .into_owned(),
+    )
 }
 
 fn hex_digits(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut out, byte| {
-        let _ = write!(out, "{byte:02x}");
-        out
-    })
+    bytes
+        .iter()
+        .fold(String::with_capacity(2 * bytes.len()), |mut out, byte| {
+            let _ = write!(out, "{byte:02x}");
+            out
+        })
 }
 
 /// Trees are for machines: the notes say how large they are.
@@ -260,7 +331,11 @@ fn write_list(out: &mut String, key: &str, items: &[Value], indent: usize, all: 
         let per_line = if items.len() == 81 { 9 } else { 16 };
         let texts: Vec<String> = items.iter().filter_map(inline).collect();
         let widest = texts.iter().map(|t| t.chars().count()).max().unwrap_or(0);
-        let lines = if all || items.len() == 81 { usize::MAX } else { SHOWN_ITEMS };
+        let lines = if all || items.len() == 81 {
+            usize::MAX
+        } else {
+            SHOWN_ITEMS
+        };
         for line in texts.chunks(per_line).take(lines) {
             let line: Vec<String> = line.iter().map(|t| format!("{t:>widest$}")).collect();
             let _ = writeln!(out, "{pad}  {}", line.join(" "));
@@ -317,7 +392,9 @@ fn inline(value: &Value) -> Option<String> {
             (plain || text.chars().count() <= LINE / 2 && !items.iter().any(Value::is_object)).then_some(text)
         }
         Value::Object(map) => {
-            if let (Some(origin), Some(Value::Array(q)), 2) = (map.get("origin"), map.get("rotation"), map.len()) {
+            if let (Some(origin), Some(Value::Array(q)), 2) =
+                (map.get("origin"), map.get("rotation"), map.len())
+            {
                 // glam writes x y z w; people write w first.
                 let [x, y, z, w] = q.as_slice() else { return None };
                 let q: Option<Vec<String>> = [w, x, y, z].into_iter().map(inline).collect();
@@ -338,7 +415,11 @@ fn number(n: &serde_json::Number) -> String {
     match n.as_f64() {
         Some(value) if n.is_f64() => {
             let single = value as f32;
-            if f64::from(single) == value { plain(format!("{single:?}")) } else { plain(format!("{value:?}")) }
+            if f64::from(single) == value {
+                plain(format!("{single:?}"))
+            } else {
+                plain(format!("{value:?}"))
+            }
         }
         _ => n.to_string(),
     }

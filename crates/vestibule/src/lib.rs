@@ -12,9 +12,9 @@
 //! use vestibule::world::{CellArray, Position, Sphere, find_cell_list};
 //!
 //! let world = vestibule::open_world(None)?;
-//! let feet: Position = "0xA9B4001C [84 78.5 40.105]".parse()?;
+//! let feet: Position = "0xA9B40031 [155.3717 16.0283 94.005]".parse()?;
 //! // A body is where the centre of its lower sphere is, seeded from the cell it was in before.
-//! let lower = Sphere::new(feet.origin() + glam::Vec3::new(0.0, 0.8, 0.475), 0.48);
+//! let lower = Sphere::new(feet.origin() + glam::Vec3::new(0.0, 0.0, 0.475), 0.48);
 //! let mut cells = CellArray::new();
 //! let found = find_cell_list(&world, feet.cell, feet.origin(), &[lower], &mut cells, true);
 //! assert_eq!(found.containing.map(|c| c.to_string()).as_deref(), Some("0xA9B40100"));
@@ -39,15 +39,21 @@ pub mod locate;
 pub mod map_svg;
 mod open;
 pub mod references;
-pub mod route;
+pub mod replay;
 pub mod round_trips;
+pub mod route;
 pub mod tour;
 pub mod visible_svg;
+pub mod walk;
 pub mod walker;
 
 pub use open::{EMBEDDED_NAME, OpenError, open_dats, open_world};
 
 /// `1 cell`, `2 cells`.
 fn count(n: usize, what: &str) -> String {
-    if n == 1 { format!("{n} {what}") } else { format!("{n} {what}s") }
+    if n == 1 {
+        format!("{n} {what}")
+    } else {
+        format!("{n} {what}s")
+    }
 }

@@ -5,7 +5,8 @@ use serde::Serialize;
 use vestibule_world::constants::FLOOR_Z;
 use vestibule_world::terrain::vertex_index;
 use vestibule_world::{
-    CellArray, CellId, MapCoordinates, PortalTarget, Position, Sphere, Water, World, adjust_position, find_cell_list,
+    CellArray, CellId, MapCoordinates, PortalTarget, Position, Sphere, Water, World, adjust_position,
+    find_cell_list,
 };
 
 /// Centres of a player's spheres above the feet, metres (`evidence.md` E4).
@@ -139,7 +140,11 @@ pub fn locate(world: &World, feet: &Position) -> Location {
             .filter_map(|&r| world.static_object(r))
             .map(|object| StaticSummary {
                 id: format!("0x{:08X}", object.shape.id),
-                position: Position { cell: object.cell, frame: object.frame }.to_string(),
+                position: Position {
+                    cell: object.cell,
+                    frame: object.frame,
+                }
+                .to_string(),
             })
             .collect(),
         problems: world.problems().iter().map(ToString::to_string).collect(),
@@ -153,8 +158,11 @@ fn summary(world: &World, id: CellId) -> CellSummary {
         kind: if id.is_indoor() { "env cell" } else { "land cell" },
         exists: world.is_resident(id),
         seen_outside: env_cell.map(|cell| cell.seen_outside),
-        structure: env_cell.map(|cell| format!("0x{:08X} {}", cell.structure.environment, cell.structure.key)),
-        building: world.building_on(id).map(|building| format!("0x{:08X}", building.model_id)),
+        structure: env_cell
+            .map(|cell| format!("0x{:08X} {}", cell.structure.environment, cell.structure.key)),
+        building: world
+            .building_on(id)
+            .map(|building| format!("0x{:08X}", building.model_id)),
     }
 }
 
@@ -179,16 +187,27 @@ fn neighbours(world: &World, id: CellId, feet: &Position) -> Vec<Neighbour> {
     }
     let Some(at) = id.land_coord() else { return out };
     for (side, dx, dy) in [("north", 0, 1), ("east", 1, 0), ("south", 0, -1), ("west", -1, 0)] {
-        let next = vestibule_world::LandCoord { x: at.x + dx, y: at.y + dy };
+        let next = vestibule_world::LandCoord {
+            x: at.x + dx,
+            y: at.y + dy,
+        };
         if let Some(next) = next.in_bounds() {
             let way = format!("to the {side}");
-            out.push(Neighbour { cell: next.cell_id().to_string(), way, distance: None });
+            out.push(Neighbour {
+                cell: next.cell_id().to_string(),
+                way,
+                distance: None,
+            });
         }
     }
     if let Some(building) = world.building_on(id) {
         for (index, portal) in building.portals.iter().enumerate() {
             let way = format!("portal {index} of the building");
-            out.push(Neighbour { cell: portal.other.to_string(), way, distance: None });
+            out.push(Neighbour {
+                cell: portal.other.to_string(),
+                way,
+                distance: None,
+            });
         }
     }
     out
@@ -198,7 +217,10 @@ fn ground(world: &World, feet: &Position) -> Option<GroundSummary> {
     let ground = world.ground_at(feet.cell, feet.origin())?;
     let normal = ground.polygon.plane.normal;
     let land = world.block(ground.cell.block())?.land.as_ref()?;
-    let (cx, cy) = (usize::from((ground.cell.low() - 1) >> 3), usize::from((ground.cell.low() - 1) & 7));
+    let (cx, cy) = (
+        usize::from((ground.cell.low() - 1) >> 3),
+        usize::from((ground.cell.low() - 1) & 7),
+    );
     let corners = [(cx, cy), (cx + 1, cy), (cx + 1, cy + 1), (cx, cy + 1)];
     let words = corners.map(|(i, j)| land.words.get(vertex_index(i, j)).copied().unwrap_or_default());
     Some(GroundSummary {
@@ -221,10 +243,37 @@ fn ground(world: &World, feet: &Position) -> Option<GroundSummary> {
 /// Name of a terrain type (`world.md` A1).
 pub fn terrain_name(terrain_type: u8) -> &'static str {
     const NAMES: [&str; 32] = [
-        "barren rock", "grassland", "ice", "lush grass", "marsh", "mud", "obsidian", "packed dirt", "patchy dirt",
-        "patchy grass", "yellow sand", "grey sand", "rocky sand", "sedimentary rock", "semi-barren", "snow",
-        "running water", "standing fresh water", "shallow sea", "shallow still sea", "deep sea", "forest floor",
-        "faux water", "sea slime", "argila", "volcano 1", "volcano 2", "blue ice", "moss", "dark moss", "olthoi",
+        "barren rock",
+        "grassland",
+        "ice",
+        "lush grass",
+        "marsh",
+        "mud",
+        "obsidian",
+        "packed dirt",
+        "patchy dirt",
+        "patchy grass",
+        "yellow sand",
+        "grey sand",
+        "rocky sand",
+        "sedimentary rock",
+        "semi-barren",
+        "snow",
+        "running water",
+        "standing fresh water",
+        "shallow sea",
+        "shallow still sea",
+        "deep sea",
+        "forest floor",
+        "faux water",
+        "sea slime",
+        "argila",
+        "volcano 1",
+        "volcano 2",
+        "blue ice",
+        "moss",
+        "dark moss",
+        "olthoi",
         "desolate",
     ];
     NAMES.get(usize::from(terrain_type)).copied().unwrap_or("unknown")

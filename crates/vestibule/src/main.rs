@@ -38,7 +38,10 @@ Exit codes: 0 done, 1 failed (or something differs), 2 wrong usage.";
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let mut context = Context::new(cli.global);
-    let done = cli.command.run(&mut context).and_then(|()| Ok(context.out.flush()?));
+    let done = cli
+        .command
+        .run(&mut context)
+        .and_then(|()| Ok(context.out.flush()?));
     match done {
         Ok(()) => ExitCode::SUCCESS,
         // The reader has gone, as with `vestibule ls | head`: no error.
@@ -54,7 +57,8 @@ fn main() -> ExitCode {
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.chain().any(|e| {
-        e.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+        e.downcast_ref::<std::io::Error>()
+            .is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
     })
 }
 
@@ -83,5 +87,9 @@ fn report(error: &anyhow::Error) -> ExitCode {
         text.push_str(&format!("\n\n{style}hint{style:#}: {}", hint.hint));
     }
     anstream::eprintln!("{text}");
-    if error.chain().any(|e| e.is::<ui::Usage>()) { ExitCode::from(2) } else { ExitCode::FAILURE }
+    if error.chain().any(|e| e.is::<ui::Usage>()) {
+        ExitCode::from(2)
+    } else {
+        ExitCode::FAILURE
+    }
 }

@@ -72,7 +72,12 @@ fn draw_statics<'a>(panel: &mut Panel<'_>, objects: impl Iterator<Item = &'a Sta
             let round = shape.cylspheres.iter().map(|c| (c.low_point, c.radius));
             let round = round.chain(shape.spheres.iter().map(|s| (s.center, s.radius)));
             for (center, radius) in round {
-                panel.circle(object.frame.local_to_global(center).truncate(), radius, "st", &title);
+                panel.circle(
+                    object.frame.local_to_global(center).truncate(),
+                    radius,
+                    "st",
+                    &title,
+                );
             }
         }
     }

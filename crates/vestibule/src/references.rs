@@ -20,7 +20,11 @@ pub fn of_record(record: &Record) -> Vec<Reference> {
         // Ids run without gaps from 0x0100; a larger count than there are ids is damage.
         for low in 0x100..0x100 + info.num_cells.min(0xFFFD - 0x100 + 1) {
             let id = info.id & 0xFFFF_0000 | low;
-            out.push(Reference { kind: RecordKind::EnvCell, id, field: "num_cells" });
+            out.push(Reference {
+                kind: RecordKind::EnvCell,
+                id,
+                field: "num_cells",
+            });
         }
     }
     out
@@ -76,7 +80,12 @@ pub fn users_of(dats: &DatSet, store: Store, id: u32, progress: &mut dyn FnMut(u
                         .map(|r| r.field.to_owned())
                         .collect();
                     if !fields.is_empty() {
-                        out.users.push(User { file: file_kind, id: entry.id, kind, fields });
+                        out.users.push(User {
+                            file: file_kind,
+                            id: entry.id,
+                            kind,
+                            fields,
+                        });
                     }
                 }
                 Err(e) => out.unreadable.push(e),

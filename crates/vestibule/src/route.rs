@@ -53,8 +53,11 @@ pub struct Opening {
 impl Opening {
     /// The opening of a portal.
     pub fn of(cell: &EnvCell, portal: &CellPortal) -> Self {
-        let corners: Vec<Vec3> =
-            cell.portal_vertices(portal).iter().map(|&v| cell.frame.local_to_global(v)).collect();
+        let corners: Vec<Vec3> = cell
+            .portal_vertices(portal)
+            .iter()
+            .map(|&v| cell.frame.local_to_global(v))
+            .collect();
         let middle = corners.iter().copied().sum::<Vec3>() / corners.len().max(1) as f32;
         let normal = cell.frame.local_to_global_vec(portal.plane.normal);
         let opposite = match (portal.other, portal.other_portal) {
@@ -62,12 +65,19 @@ impl Opening {
             _ => None,
         };
         Opening {
-            id: PortalId { cell: cell.id, portal: portal.record_index },
+            id: PortalId {
+                cell: cell.id,
+                portal: portal.record_index,
+            },
             to: portal.other,
             opposite,
             corners,
             middle,
-            outward: if portal.interior_is_negative { normal } else { -normal },
+            outward: if portal.interior_is_negative {
+                normal
+            } else {
+                -normal
+            },
             exact: portal.exact_match,
         }
     }
@@ -94,19 +104,30 @@ impl Opening {
     /// In a few words: `opening 1.6 x 2.5 m`.
     pub fn in_words(&self) -> String {
         let (width, height) = self.size();
-        if self.is_flat() { format!("floor opening {width:.1} m wide") } else { format!("opening {width:.1} x {height:.1} m") }
+        if self.is_flat() {
+            format!("floor opening {width:.1} m wide")
+        } else {
+            format!("opening {width:.1} x {height:.1} m")
+        }
     }
 }
 
 /// The openings of a cell in record order.
 pub fn openings(world: &World, cell: CellId) -> Vec<Opening> {
-    let Some(cell) = world.env_cell(cell) else { return Vec::new() };
-    cell.portals.iter().map(|portal| Opening::of(cell, portal)).collect()
+    let Some(cell) = world.env_cell(cell) else {
+        return Vec::new();
+    };
+    cell.portals
+        .iter()
+        .map(|portal| Opening::of(cell, portal))
+        .collect()
 }
 
 /// The openings by which buildings of a landblock can be entered from the land.
 pub fn entrances(world: &World, block: BlockId) -> Vec<Opening> {
-    let Some(block) = world.block(block) else { return Vec::new() };
+    let Some(block) = world.block(block) else {
+        return Vec::new();
+    };
     let portals = block.buildings.iter().flat_map(|building| &building.portals);
     portals
         .filter_map(|portal| {
@@ -119,6 +140,163 @@ pub fn entrances(world: &World, block: BlockId) -> Vec<Opening> {
 
 /// A planned way: points over the ground in the frame of the walker's routes.
 pub type Way = Vec<Vec2>;
+
+/// What to do next along a way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Steer {
+    /// Go by this over the ground, metres.
+    Go(Vec2),
+    /// The way has led where it should.
+    Arrived,
+    /// There is no progress, or the way has ended elsewhere.
+    Lost,
+}
+
+/// Follows a way in short steps.
+#[derive(Clone, Debug)]
+pub struct Steering<'w> {
+    way: &'w [Vec2],
+    next: usize,
+    step: f32,
+    last: Option<Vec2>,
+    heading: Vec2,
+    stuck: u32,
+    overshoot: u32,
+}
+
+/// Steps without progress after which a way is given up.
+const STUCK_STEPS: u32 = 15;
+/// Steps taken beyond the end of a way that has not yet led into its cell.
+const OVERSHOOT_STEPS: u32 = 8;
+/// How near a point of the way counts as there, metres.
+const NEAR: f32 = 0.04;
+
+impl<'w> Steering<'w> {
+    /// Steers along `way` in steps of `step` metres.
+    pub fn new(way: &'w [Vec2], step: f32) -> Self {
+        Steering {
+            way,
+            next: 0,
+            step,
+            last: None,
+            heading: Vec2::ZERO,
+            stuck: 0,
+            overshoot: 0,
+        }
+    }
+
+    /// The next step from `here`; `arrived` says whether the player is where the way should lead.
+    pub fn next(&mut self, here: Vec2, arrived: bool) -> Steer {
+        if let Some(last) = self.last.replace(here) {
+            let moved = last.distance(here) >= 0.2 * self.step;
+            self.stuck = if moved { 0 } else { self.stuck + 1 };
+            if self.stuck >= STUCK_STEPS {
+                return Steer::Lost;
+            }
+        }
+        while let Some(&point) = self.way.get(self.next) {
+            let left = point - here;
+            if left.length() > NEAR {
+                self.heading = left.normalize_or_zero();
+                return Steer::Go(left.clamp_length_max(self.step));
+            }
+            self.next += 1;
+            self.stuck = 0;
+        }
+        if arrived {
+            return Steer::Arrived;
+        }
+        // The way may end on the very edge of the cell it leads to.
+        if self.overshoot >= OVERSHOOT_STEPS {
+            return Steer::Lost;
+        }
+        self.overshoot += 1;
+        Steer::Go(self.heading * self.step)
+    }
+}
+
+/// A step from cell to cell: an opening, and whether it is gone through into its cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Passage {
+    /// The opening.
+    pub opening: Opening,
+    /// Into the opening's cell, rather than out of it.
+    pub inward: bool,
+}
+
+impl Passage {
+    /// A way through it on foot.
+    pub fn way(&self, walker: &mut Walker<'_>, from: &Footing) -> Option<Way> {
+        through(walker, from, &self.opening, self.inward)
+    }
+
+    /// Whether a cell is on its far side.
+    pub fn leads_to(&self, cell: CellId) -> bool {
+        if self.inward {
+            return cell == self.opening.id.cell;
+        }
+        match self.opening.to {
+            PortalTarget::Outside => !cell.is_indoor(),
+            PortalTarget::Cell(other) => cell == other,
+        }
+    }
+}
+
+/// The fewest passages from one cell to another, by portals alone, without those that are `barred`. All land cells count
+/// as one place; entrances are those of the landblocks around both cells.
+pub fn passages(world: &World, from: CellId, to: CellId, barred: &[PortalId]) -> Option<Vec<Passage>> {
+    let place = |cell: CellId| if cell.is_indoor() { cell } else { CellId::NONE };
+    let (start, goal) = (place(from), place(to));
+    let mut blocks: Vec<BlockId> = Vec::new();
+    for home in [from.block(), to.block()] {
+        for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))) {
+            blocks.extend(home.neighbour(dx, dy).filter(|b| !blocks.contains(b)));
+        }
+    }
+    let mut reached: HashMap<CellId, Option<(CellId, Passage)>> = HashMap::from([(start, None)]);
+    let mut queue = std::collections::VecDeque::from([start]);
+    while let Some(here) = queue.pop_front() {
+        if here == goal {
+            let mut out = Vec::new();
+            let mut at = goal;
+            while let Some(Some((before, passage))) = reached.get(&at) {
+                out.push(passage.clone());
+                at = *before;
+            }
+            out.reverse();
+            return Some(out);
+        }
+        let next: Vec<Passage> = if here.is_none() {
+            let entrances = blocks.iter().flat_map(|&block| entrances(world, block));
+            entrances
+                .map(|opening| Passage {
+                    opening,
+                    inward: true,
+                })
+                .collect()
+        } else {
+            openings(world, here)
+                .into_iter()
+                .map(|opening| Passage {
+                    opening,
+                    inward: false,
+                })
+                .collect()
+        };
+        for passage in next.into_iter().filter(|p| !barred.contains(&p.opening.id)) {
+            let there = match (passage.inward, passage.opening.to) {
+                (true, _) => passage.opening.id.cell,
+                (false, PortalTarget::Outside) => CellId::NONE,
+                (false, PortalTarget::Cell(cell)) => cell,
+            };
+            if !reached.contains_key(&there) && (there.is_none() || world.env_cell(there).is_some()) {
+                reached.insert(there, Some((here, passage)));
+                queue.push_back(there);
+            }
+        }
+    }
+    None
+}
 
 /// A way through an opening, out of its cell, ending in what is behind it.
 pub fn out_through(walker: &mut Walker<'_>, from: &Footing, opening: &Opening) -> Option<Way> {
@@ -196,10 +374,15 @@ fn straight_through(
     // Straight through the middle, from as far before as there is room.
     for distance in ANCHORS {
         let first = front_of(walker, opening, sign * distance);
-        let Some(at_first) = walker.straight(from, first, &before) else { continue };
+        let Some(at_first) = walker.straight(from, first, &before) else {
+            continue;
+        };
         for behind in ANCHORS {
             let second = front_of(walker, opening, -sign * behind);
-            if walker.straight(&at_first, second, &both).is_some_and(|end| arrived(end.at.cell)) {
+            if walker
+                .straight(&at_first, second, &both)
+                .is_some_and(|end| arrived(end.at.cell))
+            {
                 return Some(vec![first, second]);
             }
         }
@@ -207,15 +390,18 @@ fn straight_through(
     // From where the player is, as out of a cell that is only as deep as a wall.
     for behind in ANCHORS {
         let second = front_of(walker, opening, -sign * behind);
-        if walker.straight(from, second, &both).is_some_and(|end| arrived(end.at.cell)) {
+        if walker
+            .straight(from, second, &both)
+            .is_some_and(|end| arrived(end.at.cell))
+        {
             return Some(vec![second]);
         }
     }
     None
 }
 
-/// Whether going from one cell to the other needs no opening.
-fn same_side(a: CellId, b: CellId) -> bool {
+/// Whether going from one cell to the other needs no opening: they are the same, or both outdoors.
+pub fn same_side(a: CellId, b: CellId) -> bool {
     a == b || !a.is_indoor() && !b.is_indoor()
 }
 
@@ -250,9 +436,18 @@ fn search(
     let key = |p: Vec3, cell: CellId| {
         let at = |v: f32| (v / grid).round() as i32;
         // Two floors over one another in one cell are more than this apart.
-        (at(p.x), at(p.y), (p.z / 1.5).round() as i32, if cell.is_indoor() { cell.0 } else { 0 })
+        (
+            at(p.x),
+            at(p.y),
+            (p.z / 1.5).round() as i32,
+            if cell.is_indoor() { cell.0 } else { 0 },
+        )
     };
-    let mut nodes = vec![Node { footing: *from, parent: 0, cost: 0.0 }];
+    let mut nodes = vec![Node {
+        footing: *from,
+        parent: 0,
+        cost: 0.0,
+    }];
     let mut known: HashMap<(i32, i32, i32, u32), usize> = HashMap::new();
     known.insert(key(walker.point(&from.at), from.at.cell), 0);
     // Ordered by estimated cost in millimetres, then by age: the same world gives the same way.
@@ -269,19 +464,38 @@ fn search(
             return None;
         }
         let (ix, iy, ..) = key(here, footing.at.cell);
-        for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)] {
+        for (dx, dy) in [
+            (1, 0),
+            (0, 1),
+            (-1, 0),
+            (0, -1),
+            (1, 1),
+            (-1, 1),
+            (-1, -1),
+            (1, -1),
+        ] {
             let next = Vec2::new((ix + dx) as f32, (iy + dy) as f32) * grid;
-            let Some(reached) = walker.straight(&footing, next, allowed) else { continue };
+            let Some(reached) = walker.straight(&footing, next, allowed) else {
+                continue;
+            };
             let there = walker.point(&reached.at);
             let length = cost + here.distance(there);
             let key = key(there, reached.at.cell);
-            if known.get(&key).and_then(|&i| nodes.get(i)).is_some_and(|old| old.cost <= length + 1e-3) {
+            if known
+                .get(&key)
+                .and_then(|&i| nodes.get(i))
+                .is_some_and(|old| old.cost <= length + 1e-3)
+            {
                 continue;
             }
             let estimate = length + there.truncate().distance(target);
             known.insert(key, nodes.len());
             open.push(Reverse(((estimate * 1000.0) as u32, nodes.len())));
-            nodes.push(Node { footing: reached, parent: index, cost: length });
+            nodes.push(Node {
+                footing: reached,
+                parent: index,
+                cost: length,
+            });
         }
     }
     None
@@ -296,14 +510,20 @@ fn cut_corners(walker: &mut Walker<'_>, nodes: &[Node], end: usize, allowed: &dy
         chain.push(at);
     }
     chain.reverse();
-    let footings: Vec<Footing> = chain.iter().filter_map(|&i| nodes.get(i)).map(|n| n.footing).collect();
+    let footings: Vec<Footing> = chain
+        .iter()
+        .filter_map(|&i| nodes.get(i))
+        .map(|n| n.footing)
+        .collect();
     let mut way = Way::new();
     let mut i = 0;
     while i + 1 < footings.len() {
         let mut j = i + 1;
         // Leaps of at most 32 points keep this linear.
         for far in (i + 2..footings.len().min(i + 32)).rev() {
-            let (Some(a), Some(b)) = (footings.get(i), footings.get(far)) else { break };
+            let (Some(a), Some(b)) = (footings.get(i), footings.get(far)) else {
+                break;
+            };
             let to = walker.point(&b.at);
             let reached = walker.straight(a, to.truncate(), allowed);
             if reached.is_some_and(|r| r.at.cell == b.at.cell && (walker.point(&r.at).z - to.z).abs() < 0.3) {

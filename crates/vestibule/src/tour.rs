@@ -11,23 +11,17 @@ use serde::Serialize;
 use vestibule_dat::{DatSet, RecordKind};
 use vestibule_world::{BlockId, CellId, PortalTarget, Position, World};
 
-use crate::route::{self, Opening, PortalId};
+use crate::route::{self, Opening, PortalId, Steer, Steering};
 use crate::walker::{Footing, TICK, Walker};
 
 /// Length of a step, metres.
 pub const STEP: f32 = 0.05;
-/// Ticks without progress after which a way is given up.
-const STUCK_TICKS: u32 = 15;
 /// Ticks that a fall may take.
 const FALL_TICKS: u32 = 450;
 /// Speed of a jump off an edge, m/s: upwards, and over the ground.
 const JUMP: (f32, f32) = (2.0, 2.5);
 /// Openings higher than this above the floor are windows, metres: a little more than a player steps up.
 const REACH: f32 = 0.65;
-/// Steps taken beyond the end of a way that has not yet led into its cell.
-const OVERSHOOT_STEPS: u32 = 8;
-/// How near a point of the route counts as there, metres.
-const NEAR: f32 = 0.04;
 
 /// What a tour does.
 #[derive(Clone, Debug)]
@@ -44,7 +38,12 @@ pub struct TourOptions {
 
 impl Default for TourOptions {
     fn default() -> Self {
-        TourOptions { start: None, radius: 1, stand_ticks: 100, max_steps: 3_000_000 }
+        TourOptions {
+            start: None,
+            radius: 1,
+            stand_ticks: 100,
+            max_steps: 3_000_000,
+        }
     }
 }
 
@@ -213,7 +212,10 @@ impl<'w, 'o> Tour<'w, 'o> {
             footing,
             outside: footing,
             trail: Vec::new(),
-            summary: TourSummary { start: short(&footing.at), ..TourSummary::default() },
+            summary: TourSummary {
+                start: short(&footing.at),
+                ..TourSummary::default()
+            },
             entered: BTreeSet::new(),
             stood_in: BTreeSet::new(),
             done: BTreeSet::new(),
@@ -280,7 +282,9 @@ impl<'w, 'o> Tour<'w, 'o> {
             if self.summary.ended_early.is_some() {
                 return;
             }
-            let PortalTarget::Cell(below) = opening.to else { continue };
+            let PortalTarget::Cell(below) = opening.to else {
+                continue;
+            };
             if self.visited.contains(&below) {
                 continue;
             }
@@ -302,7 +306,10 @@ impl<'w, 'o> Tour<'w, 'o> {
             way_in: Option<(Opening, Footing)>,
         }
         self.visited.insert(cell);
-        let mut levels = vec![Level { openings: self.openings_of(cell), way_in: None }];
+        let mut levels = vec![Level {
+            openings: self.openings_of(cell),
+            way_in: None,
+        }];
         self.to_the_middle(cell);
         while self.summary.ended_early.is_none() {
             let Some(level) = levels.last_mut() else { break };
@@ -335,7 +342,9 @@ impl<'w, 'o> Tour<'w, 'o> {
                     self.teleport(before);
                 }
                 match opening.to {
-                    PortalTarget::Cell(other) if !self.visited.contains(&other) && !out_of_reach(&opening, &before) => {
+                    PortalTarget::Cell(other)
+                        if !self.visited.contains(&other) && !out_of_reach(&opening, &before) =>
+                    {
                         self.drops.push((before, opening));
                     }
                     _ => {
@@ -349,7 +358,10 @@ impl<'w, 'o> Tour<'w, 'o> {
                 PortalTarget::Cell(other) if self.visited.insert(other) => {
                     self.to_the_middle(other);
                     let way_in = Some((opening, before));
-                    levels.push(Level { openings: self.openings_of(other), way_in });
+                    levels.push(Level {
+                        openings: self.openings_of(other),
+                        way_in,
+                    });
                 }
                 _ => self.back_through(&opening, before),
             }
@@ -358,15 +370,30 @@ impl<'w, 'o> Tour<'w, 'o> {
 
     /// Whether the cell has a floor within a step of the opening, at the opening's place.
     fn may_climb_to(&self, opening: &Opening) -> bool {
-        let Some(cell) = self.walker.world().env_cell(opening.id.cell) else { return false };
+        let Some(cell) = self.walker.world().env_cell(opening.id.cell) else {
+            return false;
+        };
         let structure = &cell.structure;
-        let Some(physics) = &structure.physics else { return false };
+        let Some(physics) = &structure.physics else {
+            return false;
+        };
         let lowest = lowest(opening);
         // A stair or a ramp that comes up to the opening has a walkable face that high.
         physics.faces().iter().any(|face| {
             let normal = cell.frame.local_to_global_vec(face.plane.normal);
-            let corners = physics.edges(face).iter().map(|edge| cell.frame.local_to_global(edge.start));
-            normal.z >= vestibule_world::constants::FLOOR_Z && corners.into_iter().any(|c| c.z > lowest - REACH)
+            let corners = physics
+                .edges(face)
+                .iter()
+                .map(|edge| cell.frame.local_to_global(edge.start));
+            let near = |c: Vec3| {
+                opening
+                    .corners
+                    .iter()
+                    .any(|o| o.truncate().distance(c.truncate()) < 1.5)
+            };
+            let mut corners = corners.into_iter();
+            normal.z >= vestibule_world::constants::FLOOR_Z
+                && corners.any(|c| c.z > lowest - REACH && near(c))
         })
     }
 
@@ -396,7 +423,11 @@ impl<'w, 'o> Tour<'w, 'o> {
                 return false;
             }
             let moved = self.walker.point(&self.footing.at).truncate().distance(here);
-            stuck = if standing && moved < 0.2 * STEP { stuck + 1 } else { 0 };
+            stuck = if standing && moved < 0.2 * STEP {
+                stuck + 1
+            } else {
+                0
+            };
             if stuck >= 5 {
                 jumped += 1;
                 stuck = 0;
@@ -434,7 +465,8 @@ impl<'w, 'o> Tour<'w, 'o> {
     fn back_through(&mut self, opening: &Opening, before: Footing) {
         let own = opening.id.cell;
         let way = route::in_through(&mut self.walker, &self.footing, opening);
-        if !way.is_some_and(|way| self.follow(&way, |cell| cell == own)) && self.summary.ended_early.is_none() {
+        if !way.is_some_and(|way| self.follow(&way, |cell| cell == own)) && self.summary.ended_early.is_none()
+        {
             self.teleport(before);
         }
     }
@@ -454,50 +486,40 @@ impl<'w, 'o> Tour<'w, 'o> {
         if here.distance(middle.truncate()) < 0.5 {
             return;
         }
-        if self.walker.straight(&self.footing, middle.truncate(), &|cell| cell == id).is_some() {
+        if self
+            .walker
+            .straight(&self.footing, middle.truncate(), &|cell| cell == id)
+            .is_some()
+        {
             self.follow(&[middle.truncate()], |cell| cell == id);
         }
     }
 
     /// Walks a way in steps. Says whether it ended in a cell that `arrived` accepts.
     fn follow(&mut self, way: &[Vec2], arrived: impl Fn(CellId) -> bool) -> bool {
-        let mut heading = Vec2::ZERO;
-        for &point in way {
-            let mut stuck = 0;
-            loop {
-                let here = self.walker.point(&self.footing.at).truncate();
-                let left = point - here;
-                if left.length() <= NEAR {
-                    break;
+        let mut steering = Steering::new(way, STEP);
+        loop {
+            let here = self.walker.point(&self.footing.at).truncate();
+            match steering.next(here, arrived(self.footing.at.cell)) {
+                Steer::Arrived => return true,
+                Steer::Lost => return false,
+                Steer::Go(offset) => {
+                    if !self.tick(offset) {
+                        return false;
+                    }
                 }
-                if !self.tick(left.clamp_length_max(STEP)) {
-                    return false;
-                }
-                let moved = self.walker.point(&self.footing.at).truncate().distance(here);
-                stuck = if moved < 0.2 * STEP { stuck + 1 } else { 0 };
-                if stuck >= STUCK_TICKS {
-                    return false;
-                }
-                heading = left.normalize_or_zero();
             }
         }
-        // The way may end on the very edge of the cell it leads to.
-        for _ in 0..OVERSHOOT_STEPS {
-            if arrived(self.footing.at.cell) {
-                return true;
-            }
-            if !self.tick(heading * STEP) {
-                return false;
-            }
-        }
-        arrived(self.footing.at.cell)
     }
 
     /// One step; in a doorway that is new the player then stands still. `false` when the tour is over.
     fn tick(&mut self, offset: Vec2) -> bool {
         let before = self.footing;
         self.footing = self.walker.step(&before, offset);
-        self.summary.metres += self.walker.point(&before.at).distance(self.walker.point(&self.footing.at));
+        self.summary.metres += self
+            .walker
+            .point(&before.at)
+            .distance(self.walker.point(&self.footing.at));
         self.record(false);
         let (from, to) = (before.at.cell, self.footing.at.cell);
         if from != to {
@@ -565,7 +587,12 @@ impl<'w, 'o> Tour<'w, 'o> {
         let at = &self.footing.at;
         self.entered.insert(at.cell);
         let t = self.trail.len() as f32 * TICK;
-        self.trail.push(TrailStep { t, cell: at.cell, pos: at.origin(), standing });
+        self.trail.push(TrailStep {
+            t,
+            cell: at.cell,
+            pos: at.origin(),
+            standing,
+        });
         (self.on_step)(self.trail.len());
         if self.trail.len() > self.options.max_steps {
             self.end(format!("{} steps are enough", self.options.max_steps));
@@ -638,10 +665,17 @@ fn out_of_reach(opening: &Opening, from: &Footing) -> bool {
 /// Whether the ground before an opening lies too low to step in.
 fn window_from_outside(world: &World, opening: &Opening) -> bool {
     let front = opening.middle + opening.outward.with_z(0.0).normalize_or_zero() * 0.6;
-    let Some(ground) = world.ground_at(opening.id.cell, front) else { return false };
+    let Some(ground) = world.ground_at(opening.id.cell, front) else {
+        return false;
+    };
     // A porch or steps of the building's shell may bring one nearer than the ground does.
     let steps = world.block(opening.id.cell.block()).is_some_and(|block| {
-        block.buildings.iter().any(|b| b.shape.parts.iter().any(|p| p.model.as_ref().is_some_and(|m| m.physics.is_some())))
+        block.buildings.iter().any(|b| {
+            b.shape
+                .parts
+                .iter()
+                .any(|p| p.model.as_ref().is_some_and(|m| m.physics.is_some()))
+        })
     });
     lowest(opening) > ground.z + if steps { 2.0 * REACH } else { REACH }
 }
@@ -657,7 +691,10 @@ fn crossed(world: &World, from: CellId, now: &Position) -> Option<String> {
     let to = now.cell;
     let nearest = |openings: Vec<Opening>, leads: &dyn Fn(&Opening) -> bool| {
         let distance = |o: &Opening| route::distance_to(o, to.block(), now.origin());
-        openings.into_iter().filter(leads).min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        openings
+            .into_iter()
+            .filter(leads)
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
     };
     let found = match (from.is_indoor(), to.is_indoor()) {
         (true, true) => nearest(route::openings(world, from), &|o| o.to == PortalTarget::Cell(to)),
@@ -709,12 +746,16 @@ fn before_an_entrance(walker: &mut Walker<'_>, block: BlockId) -> Option<Footing
             for turn in [0.0, 0.4, -0.4] {
                 let at = middle + (out + side * turn) * distance;
                 let land = CellId::new(block, 0xFFFF);
-                let Some(ground) = walker.world().ground_at(land, at.extend(0.0)) else { continue };
+                let Some(ground) = walker.world().ground_at(land, at.extend(0.0)) else {
+                    continue;
+                };
                 let place = Position::new(ground.cell, ground.point.truncate().extend(ground.z + 0.01));
                 if is_inside_a_room(walker.world(), &place) {
                     continue;
                 }
-                let Some(footing) = walker.put(&place).filter(|f| !f.at.cell.is_indoor()) else { continue };
+                let Some(footing) = walker.put(&place).filter(|f| !f.at.cell.is_indoor()) else {
+                    continue;
+                };
                 if route::in_through(walker, &footing, &opening).is_some() {
                     return Some(footing);
                 }
@@ -735,10 +776,20 @@ fn is_inside_a_room(world: &World, place: &Position) -> bool {
 fn inside(walker: &mut Walker<'_>, block: BlockId) -> Option<Footing> {
     let block = walker.world().block(block)?;
     for cell in block.env_cells().filter(|cell| !cell.portals.is_empty()) {
-        let Some(bounds) = cell.structure.bounds else { continue };
+        let Some(bounds) = cell.structure.bounds else {
+            continue;
+        };
         let bounds = bounds.mapped(|p| cell.frame.local_to_global(p));
         let size = bounds.max - bounds.min;
-        for (u, v) in [(0.5, 0.5), (0.3, 0.3), (0.7, 0.7), (0.3, 0.7), (0.7, 0.3), (0.5, 0.2), (0.2, 0.5)] {
+        for (u, v) in [
+            (0.5, 0.5),
+            (0.3, 0.3),
+            (0.7, 0.7),
+            (0.3, 0.7),
+            (0.7, 0.3),
+            (0.5, 0.2),
+            (0.2, 0.5),
+        ] {
             // From a little above the floor upwards, for floors that are not level.
             for up in [0.02, 0.5, 1.0, 2.0, 4.0] {
                 if up > size.z {

@@ -12,8 +12,9 @@ use vestibule::world::World;
 /// Options of every subcommand.
 #[derive(clap::Args)]
 pub(crate) struct Global {
-    /// Folder with client_portal.dat and client_cell_1.dat [default: a small world that is built in]
-    #[arg(long, value_name = "DIR", env = "VESTIBULE_DAT", hide_env_values = true, global = true)]
+    /// Folder with client_portal.dat and client_cell_1.dat [default: VESTIBULE_DAT, else a small world that is built
+    /// in]
+    #[arg(long, value_name = "DIR", global = true)]
     dat: Option<PathBuf>,
     /// Print JSON for machines instead of text
     #[arg(long, global = true)]
@@ -32,9 +33,17 @@ pub(crate) struct Context {
 impl Context {
     pub(crate) fn new(global: Global) -> Self {
         // An empty variable means the same as none.
-        let dat = global.dat.filter(|dir| !dir.as_os_str().is_empty());
+        let from_environment = || std::env::var_os("VESTIBULE_DAT").map(PathBuf::from);
+        let dat = global
+            .dat
+            .or_else(from_environment)
+            .filter(|dir| !dir.as_os_str().is_empty());
         let out = BufWriter::new(anstream::AutoStream::auto(std::io::stdout()));
-        Context { dat, json: global.json, out }
+        Context {
+            dat,
+            json: global.json,
+            out,
+        }
     }
 
     /// The folder given, if one was.
@@ -101,7 +110,11 @@ impl std::error::Error for Hinted {
 
 /// Adds advice to an error.
 pub(crate) fn hinted(error: impl Into<anyhow::Error>, hint: impl Into<String>) -> anyhow::Error {
-    Hinted { error: error.into(), hint: hint.into() }.into()
+    Hinted {
+        error: error.into(),
+        hint: hint.into(),
+    }
+    .into()
 }
 
 /// The command line asks for something that cannot be: exit code 2.
@@ -157,7 +170,10 @@ pub(crate) struct Table {
 
 impl Table {
     pub(crate) fn new(columns: &[(&'static str, Align)]) -> Self {
-        Table { columns: columns.to_vec(), rows: Vec::new() }
+        Table {
+            columns: columns.to_vec(),
+            rows: Vec::new(),
+        }
     }
 
     pub(crate) fn row(&mut self, cells: impl IntoIterator<Item = String>) {
@@ -166,10 +182,20 @@ impl Table {
 
     pub(crate) fn write(&self, out: &mut impl Write) -> std::io::Result<()> {
         let width = |i: usize, head: &str| {
-            let longest = self.rows.iter().filter_map(|row| row.get(i)).map(|text| text.chars().count()).max();
+            let longest = self
+                .rows
+                .iter()
+                .filter_map(|row| row.get(i))
+                .map(|text| text.chars().count())
+                .max();
             longest.unwrap_or(0).max(head.chars().count())
         };
-        let widths: Vec<usize> = self.columns.iter().enumerate().map(|(i, (head, _))| width(i, head)).collect();
+        let widths: Vec<usize> = self
+            .columns
+            .iter()
+            .enumerate()
+            .map(|(i, (head, _))| width(i, head))
+            .collect();
         let line = |texts: &mut dyn Iterator<Item = &str>| {
             let mut line = String::new();
             for ((text, &(_, align)), &width) in texts.zip(&self.columns).zip(&widths) {
@@ -200,7 +226,12 @@ pub(crate) struct Progress {
 
 impl Progress {
     pub(crate) fn new(what: &'static str, total: u64) -> Self {
-        Progress { bar: None, what, total, started: Instant::now() }
+        Progress {
+            bar: None,
+            what,
+            total,
+            started: Instant::now(),
+        }
     }
 
     /// For work of unknown length.
@@ -223,8 +254,11 @@ impl Progress {
         let known = self.total > 0;
         let total = known.then_some(self.total);
         let bar = ProgressBar::with_draw_target(total, ProgressDrawTarget::stderr_with_hz(10));
-        let template =
-            if known { "{msg} [{bar:40}] {human_pos}/{human_len} {eta}" } else { "{spinner} {human_pos} {msg}" };
+        let template = if known {
+            "{msg} [{bar:40}] {human_pos}/{human_len} {eta}"
+        } else {
+            "{spinner} {human_pos} {msg}"
+        };
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.progress_chars("=> "));
         }
@@ -271,5 +305,9 @@ impl Drop for Spinner {
 
 /// `1 cell`, `2 cells`.
 pub(crate) fn count(n: usize, what: &str) -> String {
-    if n == 1 { format!("{n} {what}") } else { format!("{n} {what}s") }
+    if n == 1 {
+        format!("{n} {what}")
+    } else {
+        format!("{n} {what}s")
+    }
 }

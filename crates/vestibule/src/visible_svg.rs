@@ -6,7 +6,7 @@ use glam::Vec2;
 use vestibule_view::{Camera, Command, FrameView, Region};
 use vestibule_world::CellId;
 
-/// Draws the regions of a frame's rooms over one another, farthest first, and those of the outside.
+/// Draws the regions of a frame's rooms and of the outside over one another.
 ///
 /// The camera must be the one of the frame. Rooms seen by way of buildings are drawn like all others.
 pub fn picture(frame: &FrameView, camera: &Camera) -> String {
@@ -20,21 +20,26 @@ pub fn picture(frame: &FrameView, camera: &Camera) -> String {
                 let _ = write!(list, "{:.1},{:.1} ", p.x, p.y);
             }
             let list = list.trim_end();
-            let _ = writeln!(body, r#"<polygon points="{list}" {style}><title>{title}</title></polygon>"#);
+            let _ = writeln!(
+                body,
+                r#"<polygon points="{list}" {style}><title>{title}</title></polygon>"#
+            );
         }
-        points
     };
-    for region in frame.landscape_views() {
-        polygon(&mut body, region, r##"fill="#bfe3ff" stroke="#e07b00" stroke-width="3""##, "the outside");
-    }
+    // Large regions first: what shows through them then lies on top.
+    let mut regions: Vec<(f32, Option<CellId>, Region<'_>)> = frame
+        .landscape_views()
+        .map(|region| (region.pixel_area(camera), None, region))
+        .collect();
     let mut labels: Vec<(Vec2, f32, CellId)> = Vec::new();
     for command in frame.commands() {
-        let Command::Room { cell, views } = command else { continue };
-        let hue = u32::from(cell.low()) * 137 % 360;
-        let style = format!(r#"fill="hsl({hue},55%,72%)" fill-opacity="0.55" stroke="hsl({hue},70%,28%)" stroke-width="1.5""#);
+        let Command::Room { cell, views } = command else {
+            continue;
+        };
         for region in frame.regions(*views) {
-            let points = polygon(&mut body, region, &style, &cell.to_string());
             let area = region.pixel_area(camera);
+            regions.push((area, Some(*cell), region));
+            let points = corners(region, camera);
             let middle = points.iter().copied().sum::<Vec2>() / points.len().max(1) as f32;
             match labels.iter_mut().find(|(_, _, known)| known == cell) {
                 Some(label) if label.1 < area => *label = (middle, area, *cell),
@@ -43,12 +48,31 @@ pub fn picture(frame: &FrameView, camera: &Camera) -> String {
             }
         }
     }
-    // Where nearer rooms cover farther ones, labels would fall on one another: each goes a line lower.
+    regions.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for (_, cell, region) in regions {
+        match cell {
+            None => {
+                let style = r##"fill="#bfe3ff" fill-opacity="0.8" stroke="#e07b00" stroke-width="3""##;
+                polygon(&mut body, region, style, "the outside");
+            }
+            Some(cell) => {
+                let hue = u32::from(cell.low()) * 137 % 360;
+                let style = format!(
+                    r#"fill="hsl({hue},55%,80%)" fill-opacity="0.7" stroke="hsl({hue},70%,28%)" stroke-width="1.5""#
+                );
+                polygon(&mut body, region, &style, &cell.to_string());
+            }
+        }
+    }
+    // Where regions cover one another, labels would too: each goes a line lower.
     let mut placed: Vec<Vec2> = Vec::new();
     for (at, area, cell) in labels {
         let size = (area.sqrt() / 8.0).clamp(9.0, 22.0);
         let mut at = at.clamp(Vec2::splat(20.0), camera.viewport() - 20.0);
-        while placed.iter().any(|p| (p.x - at.x).abs() < 60.0 && (p.y - at.y).abs() < 18.0) {
+        while placed
+            .iter()
+            .any(|p| (p.x - at.x).abs() < 60.0 && (p.y - at.y).abs() < 18.0)
+        {
             at.y += 18.0;
         }
         placed.push(at);

@@ -50,7 +50,13 @@ impl<'w> Walker<'w> {
     /// A walker whose routes are given in the frame of landblock `base`, metres, also beyond its square.
     pub fn new(world: &'w World, base: BlockId) -> Self {
         let (population, scratch) = (Population::new(), Scratch::new());
-        Walker { world, population, scratch, mover: Mover::player(), base }
+        Walker {
+            world,
+            population,
+            scratch,
+            mover: Mover::player(),
+            base,
+        }
     }
 
     /// The world walked in.
@@ -75,10 +81,26 @@ impl<'w> Walker<'w> {
         let unturned = Position::new(position.cell, position.origin());
         let adjusted = adjust_position(self.world, &unturned, low, true).filter(|a| a.resident)?;
         let at = adjusted.position;
-        let placed = place(self.world, &self.population, &mut self.scratch, &self.mover, &at, true, true).ok()?;
+        let placed = place(
+            self.world,
+            &self.population,
+            &mut self.scratch,
+            &self.mover,
+            &at,
+            true,
+            true,
+        )
+        .ok()?;
         let cell = placed.cell.filter(|_| placed.ok)?;
-        let at = Position { cell, ..placed.position };
-        let mut footing = Footing { at, carried: placed.carried(), rise: 0.0 };
+        let at = Position {
+            cell,
+            ..placed.position
+        };
+        let mut footing = Footing {
+            at,
+            carried: placed.carried(),
+            rise: 0.0,
+        };
         for _ in 0..SETTLE_TICKS {
             if footing.is_standing() {
                 return Some(footing);
@@ -101,11 +123,22 @@ impl<'w> Walker<'w> {
         }
         let to = Position::new(from.at.cell, from.at.origin() + wanted);
         let (population, scratch) = (&self.population, &mut self.scratch);
-        let swept = sweep(self.world, population, scratch, &self.mover, &from.carried, &from.at, &to);
+        let swept = sweep(
+            self.world,
+            population,
+            scratch,
+            &self.mover,
+            &from.carried,
+            &from.at,
+            &to,
+        );
         match swept {
             Ok(swept) if swept.ok => {
                 let Some(cell) = swept.cell else { return next };
-                next.at = Position { cell, ..swept.position };
+                next.at = Position {
+                    cell,
+                    ..swept.position
+                };
                 next.carried = swept.carried();
                 next
             }
@@ -113,15 +146,58 @@ impl<'w> Walker<'w> {
         }
     }
 
+    /// One sweep to a point of the frame of the footing's landblock, as recorded moves are followed.
+    pub fn sweep_to(&mut self, from: &Footing, to: Vec3) -> Footing {
+        let to = Position::new(from.at.cell, to);
+        let (population, scratch) = (&self.population, &mut self.scratch);
+        match sweep(
+            self.world,
+            population,
+            scratch,
+            &self.mover,
+            &from.carried,
+            &from.at,
+            &to,
+        ) {
+            Ok(swept) if swept.ok => match swept.cell {
+                Some(cell) => {
+                    let at = Position {
+                        cell,
+                        ..swept.position
+                    };
+                    Footing {
+                        at,
+                        carried: swept.carried(),
+                        rise: from.rise,
+                    }
+                }
+                None => *from,
+            },
+            _ => *from,
+        }
+    }
+
     /// The player jumps: it lets go of the ground and rises at `up` m/s, keeping what it slid along.
     pub fn jump(&self, from: &Footing, up: f32) -> Footing {
-        let carried = Carried { last_known: from.carried.contact, ..Carried::default() };
-        Footing { carried, rise: up, ..*from }
+        let carried = Carried {
+            last_known: from.carried.contact,
+            ..Carried::default()
+        };
+        Footing {
+            carried,
+            rise: up,
+            ..*from
+        }
     }
 
     /// Tries to walk straight to a point of the routes' frame. `None` if something is in the way, the ground is left, a
     /// cell is entered that is not `allowed`, or the way could not be walked back.
-    pub fn straight(&mut self, from: &Footing, to: Vec2, allowed: &dyn Fn(CellId) -> bool) -> Option<Footing> {
+    pub fn straight(
+        &mut self,
+        from: &Footing,
+        to: Vec2,
+        allowed: &dyn Fn(CellId) -> bool,
+    ) -> Option<Footing> {
         let mut now = *from;
         let far = to.distance(self.point(&now.at).truncate());
         let most = (far / TRIAL_STEP) as u32 * 4 + 8;

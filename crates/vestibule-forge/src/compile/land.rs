@@ -135,10 +135,16 @@ impl Land {
                 }
             }
             TerrainOp::Road(points, span) => {
-                for pair in points.windows(2) {
-                    let steps = (pair[0].distance(pair[1]) / 2.0).ceil().clamp(1.0, 10_000.0);
+                // From vertex to vertex, along sides and diagonals of the grid.
+                let vertices: Vec<DVec2> = points
+                    .iter()
+                    .map(|p| ((*p - self.base) / SQUARE).round())
+                    .collect();
+                for pair in vertices.windows(2) {
+                    let steps = (pair[1] - pair[0]).abs().max_element().clamp(1.0, 10_000.0);
                     for i in 0..=steps as u32 {
-                        match self.nearest(pair[0].lerp(pair[1], f64::from(i) / steps)) {
+                        let at = pair[0].lerp(pair[1], f64::from(i) / steps).round();
+                        match self.at(at.x as i32, at.y as i32) {
                             Some(k) => self.roads[k] = true,
                             None => messages.warning(
                                 *span,
@@ -187,9 +193,15 @@ impl Land {
         at.cmpge(DVec2::ZERO).all() && at.x < f64::from(self.size.x - 1) && at.y < f64::from(self.size.y - 1)
     }
 
-    /// Height of the ground as the engine sees it (`world.md` T9), metres.
+    /// A place in land cells from the south-west corner, kept near the land.
+    fn in_cells(&self, p: DVec2) -> DVec2 {
+        let last = DVec2::new(f64::from(self.size.x), f64::from(self.size.y));
+        ((p - self.base) / SQUARE).clamp(DVec2::NEG_ONE, last)
+    }
+
+    /// Height of the ground as the engine sees it (`world.md` T9), metres; beyond the land that of its border.
     pub(crate) fn ground(&self, p: DVec2) -> f64 {
-        let at = (p - self.base) / SQUARE;
+        let at = self.in_cells(p);
         let (x, y) = (at.x.floor(), at.y.floor());
         let (tx, ty) = (at.x - x, at.y - y);
         let (x, y) = (x as i32, y as i32);
@@ -208,7 +220,7 @@ impl Land {
 
     /// The landblock over which a place lies and the place in that block's coordinates.
     pub(crate) fn block_at(&self, p: DVec2) -> Option<(BlockId, DVec2)> {
-        let at = (p - self.base) / SQUARE;
+        let at = self.in_cells(p);
         let cell = LandCoord {
             x: self.corner.x + at.x.floor() as i32,
             y: self.corner.y + at.y.floor() as i32,

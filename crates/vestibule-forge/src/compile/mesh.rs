@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec2, Vec3};
 use vestibule_dat::record::{Polygon as PolygonRecord, Vertex, VertexArray};
 
-use crate::bsp::Piece;
+use crate::bsp::{BspError, Piece};
 use crate::geometry::Polygon;
 
 /// Coordinates are stored in steps of 2⁻²⁰ m: rooms that are equal but for rounding become equal.
@@ -77,6 +77,14 @@ impl Mesh {
             uvs.len() - 1
         });
         at as u8
+    }
+
+    /// Whether all vertices could be named.
+    pub(crate) fn check(&self) -> Result<(), BspError> {
+        match self.vertices.vertices.len() {
+            count if count > usize::from(u16::MAX) + 1 => Err(BspError::TooManyVertices(count)),
+            _ => Ok(()),
+        }
     }
 
     fn surface(&mut self, material: usize) -> i16 {

@@ -1,5 +1,7 @@
 //! From a room as written to the convex cells it is made of.
 
+use std::collections::BTreeSet;
+
 use glam::DVec3;
 
 pub(crate) use crate::geometry::CUT;
@@ -109,6 +111,9 @@ fn open_edges(polygons: &[Polygon]) -> Vec<(usize, DVec3, DVec3)> {
     open
 }
 
+/// At most this many polygons of a room that is not closed are tried the other way round.
+const MAX_SUSPECTS: usize = 32;
+
 fn is_closed(name: &Word, soup: &[Wall], messages: &mut Messages) -> bool {
     let mut polygons: Vec<Polygon> = soup.iter().map(|w| w.polygon.clone()).collect();
     let mut open = open_edges(&polygons);
@@ -129,7 +134,8 @@ fn is_closed(name: &Word, soup: &[Wall], messages: &mut Messages) -> bool {
         return false;
     }
     // A polygon that, turned over, closes more edges than it leaves open is inside out.
-    for k in 0..polygons.len() {
+    let suspects: BTreeSet<usize> = open.iter().map(|(k, ..)| *k).collect();
+    for k in suspects.into_iter().take(MAX_SUSPECTS) {
         let flipped = polygons[k].flipped();
         let kept = core::mem::replace(&mut polygons[k], flipped);
         let mended = open_edges(&polygons);

@@ -48,7 +48,7 @@ fn shade(t: &Tables, pattern: Pattern, (u, v): (f64, f64), seed: u32) -> (f64, f
         Pattern::Glow => (0.0, 1.05 + 0.15 * grain(4, 2, seed)),
         Pattern::Grain => (0.3 + 0.3 * grain(6, 3, seed), 1.0 + 0.08 * fine),
         Pattern::Grass => {
-            let blades = t.noise(u * 32.0, v * 12.0, 4, seed);
+            let blades = t.noise(u * 24.0, v * 24.0, 12, seed);
             (0.35 + 0.45 * grain(5, 3, seed), 1.0 + 0.16 * blades + 0.1 * fine)
         }
         Pattern::Soil => (0.4 + 0.5 * grain(6, 3, seed), 1.0 + 0.18 * fine),

@@ -12,7 +12,7 @@ use vestibule_world::{BlockId, CellId, Frame, MemoryRecords, Position, Store};
 use super::cells::SiteCells;
 use super::land::Land;
 use super::noise::hash01;
-use super::site::{PlacedSite, Structures, frame, land_frame};
+use super::site::{Made, PlacedSite, Structures, frame, land_frame};
 use super::validate;
 use crate::bsp::BspError;
 use crate::scene::{self, Kind, Placement, Scene};
@@ -314,9 +314,15 @@ impl Compiler<'_> {
         }
         let mut infos: BTreeMap<BlockId, LandBlockInfo> = BTreeMap::new();
         let mut structures = Structures::default();
+        let made = Made {
+            models: &models,
+            surfaces: &surfaces,
+            sizes: &sizes,
+            land: self.land,
+        };
         for site in self.sites {
             let info = infos.entry(site.block).or_default();
-            let added = site.add(&mut records, &mut structures, info, &models, &surfaces, &sizes);
+            let added = site.add(&mut records, &mut structures, info, &made);
             self.report(site.def.name.span, added);
             out.stats.statics += site.def.statics.len();
             for (cell, id) in site.cells.cells.iter().zip(&site.ids) {
@@ -381,6 +387,7 @@ impl Compiler<'_> {
             .iter()
             .map(|object| (object.place.at, object.model, object.place.resolve(ground)))
             .collect();
+        let sites: Vec<(DVec2, f64)> = self.sites.iter().filter_map(PlacedSite::footprint).collect();
         for scatter in &self.scene.scatters {
             let mut placed = 0;
             // Each try has its own numbers, so that the count only adds or removes at the end.
@@ -390,7 +397,7 @@ impl Compiler<'_> {
                 }
                 let [u, v, turn] = [0, 1, 2].map(|n| hash01(k * 3 + n, scatter.seed));
                 let at = scatter.low + (scatter.high - scatter.low) * DVec2::new(u, v);
-                if self.is_free(at, scatter.clear, scatter.on) {
+                if self.is_free(at, &sites, scatter.clear, scatter.on) {
                     let rotation = scene::turned(turn * 360.0);
                     // A little sunk, so that slopes do not show under it.
                     let origin = at.extend(ground(at) - 0.05);
@@ -402,20 +409,14 @@ impl Compiler<'_> {
         out
     }
 
-    fn is_free(&self, at: DVec2, clear: f64, on: Option<u8>) -> bool {
+    fn is_free(&self, at: DVec2, sites: &[(DVec2, f64)], clear: f64, on: Option<u8>) -> bool {
         let Some((kind, road)) = self.land.kind_at(at).filter(|_| self.land.contains(at)) else {
             return false;
         };
         let water = (16..=20).contains(&kind);
-        let near_site = self
-            .sites
+        let near_site = sites
             .iter()
-            .filter(|s| s.def.kind == Kind::Building)
-            .any(|site| {
-                let points = site.cells.shell.iter().flat_map(|f| &f.polygon.points);
-                let reach = points.map(|p| p.truncate().length()).fold(0.0, f64::max);
-                site.on_map.origin.truncate().distance(at) < reach + clear
-            });
+            .any(|(center, reach)| center.distance(at) < reach + clear);
         let slope =
             [DVec2::X, DVec2::Y].map(|d| (self.land.ground(at + d) - self.land.ground(at - d)).abs() / 2.0);
         !water && !road && !near_site && slope[0] + slope[1] < 0.9 && on.is_none_or(|k| k == kind)

@@ -9,6 +9,8 @@ use crate::text::{Args, Messages, Skip, Statement};
 
 /// Most corners of a hull: the search for its faces tries all triples.
 const MAX_HULL: usize = 32;
+/// Most corners of a prism's outline.
+const MAX_OUTLINE: usize = 200;
 
 impl Reader<'_> {
     /// Reads a shape statement; `None` when it is something else.
@@ -205,6 +207,15 @@ fn prism(s: &Statement, args: &mut Args<'_>, m: &mut Messages) -> Result<Vec<Pol
     let axis = args.word("the axis x, y or z", m)?;
     let ends = (args.number("one end", m)?, args.number("the other end", m)?);
     let outline = args.points2(3, m)?;
+    if outline.len() > MAX_OUTLINE {
+        let message = format!("an outline of {} points", outline.len());
+        m.error(
+            s.keyword.span,
+            message,
+            format!("use at most {MAX_OUTLINE}, or several prisms"),
+        );
+        return Err(Skip);
+    }
     let lift = |p: DVec2, end: f64| match axis.text.as_str() {
         "x" => DVec3::new(end, p.x, p.y),
         "y" => DVec3::new(p.x, end, p.y),

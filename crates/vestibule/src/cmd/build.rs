@@ -69,7 +69,12 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         world.name, stats.landblocks, stats.cells, stats.structures, stats.buildings, stats.statics
     )?;
     if let Some(folder) = args.out.as_ref().filter(|_| !args.check) {
-        writeln!(out, "written {} records to {}", world.portal.len() + world.cell.len(), folder.display())?;
+        writeln!(
+            out,
+            "written {} records to {}",
+            world.portal.len() + world.cell.len(),
+            folder.display()
+        )?;
     }
     Ok(())
 }

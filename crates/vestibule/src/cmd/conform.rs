@@ -33,8 +33,12 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
-    let mut cases = conform::read_folder(&args.dir)
-        .map_err(|e| hinted(e, "conform takes a folder of *.jsonl files with a folder worlds/ beside them"))?;
+    let mut cases = conform::read_folder(&args.dir).map_err(|e| {
+        hinted(
+            e,
+            "conform takes a folder of *.jsonl files with a folder worlds/ beside them",
+        )
+    })?;
     for op in &args.op {
         if !cases.iter().any(|case| case.op == *op) && !conform::supported_ops().any(|known| known == op) {
             let known: Vec<_> = conform::supported_ops().collect();
@@ -62,22 +66,40 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     } else {
         print(&report, context)?;
     }
-    if report.differ() > 0 { Err(Failed.into()) } else { Ok(()) }
+    if report.differ() > 0 {
+        Err(Failed.into())
+    } else {
+        Ok(())
+    }
 }
 
 fn print(report: &Report, context: &mut Context) -> anyhow::Result<()> {
     let out = &mut context.out;
     for op in report.ops.iter().filter(|op| op.unsupported == 0) {
-        writeln!(out, "{}: {} agree, {} differ, {} flagged", op.op, op.agree, op.differ, op.flagged)?;
+        writeln!(
+            out,
+            "{}: {} agree, {} differ, {} flagged",
+            op.op, op.agree, op.differ, op.flagged
+        )?;
     }
     for op in report.ops.iter().filter(|op| op.unsupported > 0) {
         let dim = style::DIM;
-        writeln!(out, "{dim}{}: not supported, {} cases not counted{dim:#}", op.op, op.unsupported)?;
+        writeln!(
+            out,
+            "{dim}{}: not supported, {} cases not counted{dim:#}",
+            op.op, op.unsupported
+        )?;
     }
     for op in &report.ops {
         for difference in &op.differences {
             let bad = style::BAD;
-            writeln!(out, "\n{bad}{}{bad:#} on {} ({})", difference.id, difference.world, difference.tags.join(", "))?;
+            writeln!(
+                out,
+                "\n{bad}{}{bad:#} on {} ({})",
+                difference.id,
+                difference.world,
+                difference.tags.join(", ")
+            )?;
             writeln!(out, "  in: {}", difference.input)?;
             for field in &difference.fields {
                 writeln!(out, "  {}:", field.field)?;
@@ -90,7 +112,16 @@ fn print(report: &Report, context: &mut Context) -> anyhow::Result<()> {
             writeln!(out, "\n... and {unseen} more of {}", op.op)?;
         }
     }
-    let style = if report.differ() == 0 { style::GOOD } else { style::BAD };
-    writeln!(out, "{style}conform: {} of {} agree{style:#}", report.agree(), report.counted())?;
+    let style = if report.differ() == 0 {
+        style::GOOD
+    } else {
+        style::BAD
+    };
+    writeln!(
+        out,
+        "{style}conform: {} of {} agree{style:#}",
+        report.agree(),
+        report.counted()
+    )?;
     Ok(())
 }

@@ -43,7 +43,7 @@ Examples:
   vestibule inspect 0xA9B40100
   vestibule inspect A9B4FFFF
   vestibule inspect 0x0D000001 --all
-  vestibule inspect 0x01000010 --json
+  vestibule inspect 0x01000001 --json
   vestibule inspect 0xA9B40100 --hex
 
 The same number can name a record of the cell file and one of the portal file: --file picks.")]
@@ -78,7 +78,8 @@ impl Located<'_> {
     }
 
     pub(crate) fn parse(&self) -> anyhow::Result<Record> {
-        Record::parse(self.kind(), self.id, &self.bytes).with_context(|| format!("cannot read {}", self.dat.name()))
+        Record::parse(self.kind(), self.id, &self.bytes)
+            .with_context(|| format!("cannot read {}", self.dat.name()))
     }
 }
 
@@ -103,9 +104,17 @@ pub(crate) fn locate<'a>(
         return Err(missing());
     }
     let kind = with.remove(0);
-    let dat = dats.file(kind).ok_or_else(|| Usage(format!("there is no {kind} file in {world}")))?;
+    let dat = dats
+        .file(kind)
+        .ok_or_else(|| Usage(format!("there is no {kind} file in {world}")))?;
     let bytes = dat.get(id)?.ok_or_else(missing)?;
-    Ok(Located { file: kind, dat, id, bytes, also: with })
+    Ok(Located {
+        file: kind,
+        dat,
+        id,
+        bytes,
+        also: with,
+    })
 }
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
@@ -134,7 +143,10 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         found.dat.name()
     )?;
     for other in &found.also {
-        writeln!(out, "{dim}the {other} file has a record of this id too: --file {other}{dim:#}")?;
+        writeln!(
+            out,
+            "{dim}the {other} file has a record of this id too: --file {other}{dim:#}"
+        )?;
     }
     if args.hex {
         return hex_dump(&found.bytes, out);
@@ -149,15 +161,25 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
 }
 
 fn parsed(found: &Located<'_>) -> anyhow::Result<Record> {
-    found.parse().map_err(|e| hinted(e, "--hex shows the bytes of a record that cannot be read"))
+    found
+        .parse()
+        .map_err(|e| hinted(e, "--hex shows the bytes of a record that cannot be read"))
 }
 
 /// Offsets, sixteen bytes a line, and what of them is text.
 fn hex_dump(bytes: &[u8], out: &mut impl Write) -> anyhow::Result<()> {
     for (line, chunk) in bytes.chunks(16).enumerate() {
         let digits: Vec<String> = chunk.iter().map(|b| format!("{b:02x}")).collect();
-        let text: String =
-            chunk.iter().map(|&b| if b.is_ascii_graphic() || b == b' ' { char::from(b) } else { '.' }).collect();
+        let text: String = chunk
+            .iter()
+            .map(|&b| {
+                if b.is_ascii_graphic() || b == b' ' {
+                    char::from(b)
+                } else {
+                    '.'
+                }
+            })
+            .collect();
         writeln!(out, "{:06x}  {:<48} {text}", line * 16, digits.join(" "))?;
     }
     Ok(())

@@ -38,19 +38,31 @@ pub(crate) struct Args {
 }
 
 fn parse_kind(text: &str) -> Result<RecordKind, String> {
-    let found = RecordKind::ALL.iter().find(|kind| kind.name().eq_ignore_ascii_case(text));
-    found.copied().ok_or_else(|| "no such type; `vestibule ls` names them".to_owned())
+    let found = RecordKind::ALL
+        .iter()
+        .find(|kind| kind.name().eq_ignore_ascii_case(text));
+    found
+        .copied()
+        .ok_or_else(|| "no such type; `vestibule ls` names them".to_owned())
 }
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let dats = context.dats()?;
     if let Some(file) = args.file {
         if dats.file(file.kind()).is_none() {
-            return Err(Usage(format!("there is no {} file in {}", file.kind(), context.world_name())).into());
+            return Err(Usage(format!(
+                "there is no {} file in {}",
+                file.kind(),
+                context.world_name()
+            ))
+            .into());
         }
     }
     let list = args.kind.is_some() || args.block.is_some() || args.limit.is_some();
-    let total: u64 = dats.files().map(|(_, file)| u64::from(file.header().file_size) / 1024).sum();
+    let total: u64 = dats
+        .files()
+        .map(|(_, file)| u64::from(file.header().file_size) / 1024)
+        .sum();
     let mut progress = Progress::new("records", total);
     let mut types: BTreeMap<(DatKind, RecordKind), Tally> = BTreeMap::new();
     let mut listed: Vec<(DatKind, RecordKind, Entry)> = Vec::new();
@@ -58,7 +70,9 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let mut matching = 0usize;
     let mut done = 0;
     for (file_kind, file) in dats.files() {
-        if args.file.is_some_and(|f| f.kind() != file_kind) || args.block.is_some() && file_kind != DatKind::Cell {
+        if args.file.is_some_and(|f| f.kind() != file_kind)
+            || args.block.is_some() && file_kind != DatKind::Cell
+        {
             continue;
         }
         let ids = match args.block {
@@ -101,7 +115,12 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
             ("bytes", Align::Right),
         ]);
         for (file, kind, entry) in &listed {
-            table.row([hex(entry.id), kind.name().to_owned(), file.to_string(), entry.size.to_string()]);
+            table.row([
+                hex(entry.id),
+                kind.name().to_owned(),
+                file.to_string(),
+                entry.size.to_string(),
+            ]);
         }
         table.write(out)?;
         if matching > listed.len() {

@@ -40,7 +40,11 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         None => Vec::new(),
     };
     let svg = plan(&world, args.landblock, &trail).ok_or_else(|| {
-        let error = anyhow::anyhow!("there is no landblock {} in {}", args.landblock, context.world_name());
+        let error = anyhow::anyhow!(
+            "there is no landblock {} in {}",
+            args.landblock,
+            context.world_name()
+        );
         hinted(error, "`vestibule ls LandBlock` lists them")
     })?;
     match &args.output {
@@ -74,7 +78,10 @@ pub(crate) fn read_trail(path: &Path) -> anyhow::Result<Vec<TrailPoint>> {
         }
         let row: Row = serde_json::from_str(&text).with_context(place)?;
         let cell: CellId = row.cell.parse().with_context(place)?;
-        out.push(TrailPoint { cell, pos: row.pos.into() });
+        out.push(TrailPoint {
+            cell,
+            pos: row.pos.into(),
+        });
     }
     Ok(out)
 }

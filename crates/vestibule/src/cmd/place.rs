@@ -17,13 +17,23 @@ pub(crate) enum Place {
 pub(crate) fn parse_place(text: &str) -> Result<Place, String> {
     let text = text.trim();
     let text = text.strip_prefix("Your location is:").map_or(text, str::trim);
-    let is_map = !text.contains('[') && !text.contains("0x") && text.contains(|c| "NSEWnsew".contains(c))
+    let is_map = !text.contains('[')
+        && !text.contains("0x")
+        && text.contains(|c| "NSEWnsew".contains(c))
         && text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '.')
-        && text.len() != 8;
+        && text
+            .split_whitespace()
+            .next()
+            .is_none_or(|word| word.parse::<vestibule::world::CellId>().is_err());
     if is_map {
-        return text.parse::<MapCoordinates>().map(Place::Map).map_err(|e| e.to_string());
+        return text
+            .parse::<MapCoordinates>()
+            .map(Place::Map)
+            .map_err(|e| e.to_string());
     }
-    let position: Position = text.parse().map_err(|e: vestibule::world::ParsePositionError| e.to_string())?;
+    let position: Position = text
+        .parse()
+        .map_err(|e: vestibule::world::ParsePositionError| e.to_string())?;
     let cell = position.cell;
     if !cell.block().is_on_map() {
         return Err(format!(
@@ -37,7 +47,10 @@ pub(crate) fn parse_place(text: &str) -> Result<Place, String> {
         ));
     }
     if cell.outside_land_coord(position.origin()).is_none() && !cell.is_indoor() {
-        return Err(format!("'{text}', column {}: lies outside the map", text.find('[').map_or(1, |at| at + 1)));
+        return Err(format!(
+            "'{text}', column {}: lies outside the map",
+            text.find('[').map_or(1, |at| at + 1)
+        ));
     }
     Ok(Place::Position(position))
 }
@@ -53,7 +66,9 @@ impl Place {
         match self {
             Place::Position(position) => Ok(position),
             Place::Map(map) => {
-                let flat = map.to_position(0.0).ok_or_else(|| Usage(format!("{map} lies outside the map")))?;
+                let flat = map
+                    .to_position(0.0)
+                    .ok_or_else(|| Usage(format!("{map} lies outside the map")))?;
                 let ground = world.ground_at(flat.cell, flat.origin());
                 let mut origin = flat.origin();
                 origin.z = ground.map_or(0.0, |g| g.z);

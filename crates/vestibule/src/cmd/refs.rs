@@ -20,7 +20,7 @@ use crate::ui::{Align, Context, Progress, Table, count, style};
 Examples:
   vestibule refs 0xA9B40101
   vestibule refs 0x0D000001
-  vestibule refs 0x01000010 --json")]
+  vestibule refs 0x01000001 --json")]
 pub(crate) struct Args {
     /// Record id, eight hexadecimal digits
     #[arg(value_parser = parse_record_id)]
@@ -40,12 +40,19 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         (Err(_), None) if RecordKind::of_asset_id(args.id) == RecordKind::Unknown => DatKind::Cell,
         (Err(_), None) => DatKind::Portal,
     };
-    let store = if file == DatKind::Cell { Store::Cell } else { Store::Portal };
+    let store = if file == DatKind::Cell {
+        Store::Cell
+    } else {
+        Store::Portal
+    };
     let uses = match &found {
         Ok(found) => found.parse().map(|record| of_record(&record)).unwrap_or_default(),
         Err(_) => Vec::new(),
     };
-    let total: u64 = dats.files().map(|(_, file)| u64::from(file.header().file_size) / 1024).sum();
+    let total: u64 = dats
+        .files()
+        .map(|(_, file)| u64::from(file.header().file_size) / 1024)
+        .sum();
     let mut progress = Progress::new("records", total);
     let result = users_of(&dats, store, args.id, &mut |done| progress.set(done));
     drop(progress);
@@ -53,7 +60,10 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         let users: Vec<_> = result.users.iter().map(|u| {
             json!({"file": u.file.to_string(), "id": hex(u.id), "type": u.kind.name(), "fields": u.fields})
         }).collect();
-        let uses: Vec<_> = uses.iter().map(|r| json!({"field": r.field, "id": hex(r.id)})).collect();
+        let uses: Vec<_> = uses
+            .iter()
+            .map(|r| json!({"field": r.field, "id": hex(r.id)}))
+            .collect();
         return context.print_json(&json!({
             "id": hex(args.id), "exists": found.is_ok(), "used_by": users, "uses": uses, "unreadable": result.unreadable,
         }));
@@ -62,10 +72,25 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let cell = style::CELL;
     let kind = RecordKind::of(file, args.id);
     let state = if found.is_ok() { "" } else { " (does not exist)" };
-    writeln!(out, "{kind} {cell}{}{cell:#}{state} is used by {}", hex(args.id), count(result.users.len(), "record"))?;
-    let mut table = Table::new(&[("id", Align::Left), ("type", Align::Left), ("file", Align::Left), ("by", Align::Left)]);
+    writeln!(
+        out,
+        "{kind} {cell}{}{cell:#}{state} is used by {}",
+        hex(args.id),
+        count(result.users.len(), "record")
+    )?;
+    let mut table = Table::new(&[
+        ("id", Align::Left),
+        ("type", Align::Left),
+        ("file", Align::Left),
+        ("by", Align::Left),
+    ]);
     for user in &result.users {
-        table.row([hex(user.id), user.kind.name().to_owned(), user.file.to_string(), shorten(&user.fields)]);
+        table.row([
+            hex(user.id),
+            user.kind.name().to_owned(),
+            user.file.to_string(),
+            shorten(&user.fields),
+        ]);
     }
     if !result.users.is_empty() {
         table.write(out)?;
@@ -79,7 +104,11 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
             }
         }
         for id in ids {
-            let fields: Vec<String> = uses.iter().filter(|r| r.id == id).map(|r| r.field.to_owned()).collect();
+            let fields: Vec<String> = uses
+                .iter()
+                .filter(|r| r.id == id)
+                .map(|r| r.field.to_owned())
+                .collect();
             table.row([hex(id), shorten(&fields)]);
         }
         writeln!(out)?;
@@ -104,7 +133,13 @@ fn shorten(fields: &[String]) -> String {
     let mut text: Vec<String> = out
         .into_iter()
         .take(6)
-        .map(|(field, n)| if n == 1 { field } else { format!("{field} ({n} times)") })
+        .map(|(field, n)| {
+            if n == 1 {
+                field
+            } else {
+                format!("{field} ({n} times)")
+            }
+        })
         .collect();
     if more > 0 {
         text.push(format!("and {more} more"));

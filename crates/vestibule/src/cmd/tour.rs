@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use serde_json::json;
-use vestibule::tour::{Change, Tour, TourOptions, TourSummary, TrailStep};
 use vestibule::map_svg::{TrailPoint, plan};
+use vestibule::tour::{Change, Tour, TourOptions, TourSummary, TrailStep};
 use vestibule::world::{BlockId, World};
 
 use super::place::{Place, parse_place};
@@ -24,7 +24,7 @@ use crate::ui::{Context, Failed, Progress, count, hinted, style};
 Examples:
   vestibule tour
   vestibule tour --dat ~/ac --start 42.1N,33.6E
-  vestibule tour --start \"0xA9B40101 [82 84 40.105]\" --out indoors
+  vestibule tour --start \"0xA9B40101 [155.4 14.2 94.005]\" --out indoors
   vestibule tour --json
 
 Writes trail.jsonl (one object a step: t, cell, pos) and map.svg to the folder of --out.
@@ -51,8 +51,12 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let dats = context.dats()?;
     let world = World::open(dats.clone())?;
     let start = args.start.map(|place| place.position(&world)).transpose()?;
-    let options =
-        TourOptions { start, radius: args.radius, stand_ticks: args.stand, max_steps: args.max_steps };
+    let options = TourOptions {
+        start,
+        radius: args.radius,
+        stand_ticks: args.stand,
+        max_steps: args.max_steps,
+    };
     let mut changes: Vec<Change> = Vec::new();
     let mut broken: Option<std::io::Error> = None;
     let json = context.json;
@@ -60,7 +64,10 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         let name = context.world_name();
         writeln!(context.out, "A tour of {name}\n")?;
         let (head, dim) = (style::HEAD, style::DIM);
-        writeln!(context.out, "{head}   time  cell                        position                   by{head:#}{dim}{dim:#}")?;
+        writeln!(
+            context.out,
+            "{head}   time  cell                        position                   by{head:#}{dim}{dim:#}"
+        )?;
     }
     let result = {
         let out = &mut context.out;
@@ -73,7 +80,9 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         };
         // How long it will be is not known beforehand.
         let mut progress = Progress::spinner("steps");
-        Tour::run(&world, &dats, options, &mut on_change, &mut |steps| progress.set(steps as u64))
+        Tour::run(&world, &dats, options, &mut on_change, &mut |steps| {
+            progress.set(steps as u64)
+        })
     };
     if let Some(error) = broken {
         return Err(error.into());
@@ -96,7 +105,11 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
             anstream::eprintln!("{}warning{:#}: {problem}", style::WARN, style::WARN);
         }
     }
-    if summary.changes_while_standing > 0 { Err(Failed.into()) } else { Ok(()) }
+    if summary.changes_while_standing > 0 {
+        Err(Failed.into())
+    } else {
+        Ok(())
+    }
 }
 
 fn print_change(change: &Change, out: &mut impl Write) -> std::io::Result<()> {
@@ -153,9 +166,16 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
         )?;
     }
     if summary.out_of_reach > 0 {
-        writeln!(out, "{head}out of reach{head:#} {}, more than a step above floor or ground", count(summary.out_of_reach, "opening"))?;
+        writeln!(
+            out,
+            "{head}out of reach{head:#} {}, more than a step above floor or ground",
+            count(summary.out_of_reach, "opening")
+        )?;
     }
-    for (title, list) in [("not passed", &summary.not_passed), ("not reached", &summary.unreached_entrances)] {
+    for (title, list) in [
+        ("not passed", &summary.not_passed),
+        ("not reached", &summary.unreached_entrances),
+    ] {
         for (i, opening) in list.iter().enumerate().take(12) {
             let title = if i == 0 { title } else { "" };
             writeln!(
@@ -165,7 +185,12 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
             )?;
         }
         if list.len() > 12 {
-            writeln!(out, "{:13}... and {} more (--json lists them)", "", list.len() - 12)?;
+            writeln!(
+                out,
+                "{:13}... and {} more (--json lists them)",
+                "",
+                list.len() - 12
+            )?;
         }
     }
     if !summary.not_entered.is_empty() {
@@ -185,12 +210,27 @@ fn write_maps(world: &World, trail: &[TrailStep], folder: &std::path::Path) -> a
     for step in trail {
         *blocks.entry(step.cell.block()).or_default() += 1;
     }
-    let points: Vec<TrailPoint> = trail.iter().map(|s| TrailPoint { cell: s.cell, pos: s.pos }).collect();
-    let main = blocks.iter().max_by_key(|(_, steps)| **steps).map(|(block, _)| *block);
+    let points: Vec<TrailPoint> = trail
+        .iter()
+        .map(|s| TrailPoint {
+            cell: s.cell,
+            pos: s.pos,
+        })
+        .collect();
+    let main = blocks
+        .iter()
+        .max_by_key(|(_, steps)| **steps)
+        .map(|(block, _)| *block);
     let mut written = Vec::new();
     for &block in blocks.keys() {
-        let Some(svg) = plan(world, block, &points) else { continue };
-        let name = if Some(block) == main { "map.svg".to_owned() } else { format!("map-{:04X}.svg", block.0) };
+        let Some(svg) = plan(world, block, &points) else {
+            continue;
+        };
+        let name = if Some(block) == main {
+            "map.svg".to_owned()
+        } else {
+            format!("map-{:04X}.svg", block.0)
+        };
         let path = folder.join(name);
         std::fs::write(&path, svg).with_context(|| format!("cannot write {}", path.display()))?;
         written.push(path);

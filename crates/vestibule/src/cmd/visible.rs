@@ -52,7 +52,12 @@ fn parse_direction(text: &str) -> Result<Vec3, String> {
 fn parse_size(text: &str) -> Result<Vec2, String> {
     let help = "write a size as 1280x720, from 1 to 16384";
     let (w, h) = text.split_once('x').ok_or(help)?;
-    let side = |text: &str| text.parse::<u16>().ok().filter(|n| (1..=16384).contains(n)).ok_or(help);
+    let side = |text: &str| {
+        text.parse::<u16>()
+            .ok()
+            .filter(|n| (1..=16384).contains(n))
+            .ok_or(help)
+    };
     Ok(Vec2::new(f32::from(side(w)?), f32::from(side(h)?)))
 }
 
@@ -60,28 +65,50 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let world = context.world()?;
     let eye = args.eye.position(&world)?;
     // The eye may be given with the id of a cell nearby.
-    let cell = adjust_position(&world, &eye, Vec3::ZERO, true).filter(|a| a.resident).map(|a| a.position);
+    let cell = adjust_position(&world, &eye, Vec3::ZERO, true)
+        .filter(|a| a.resident)
+        .map(|a| a.position);
     let eye = cell.unwrap_or(eye);
     let fov = match args.fov {
         Some(degrees) => degrees.to_radians(),
         None => retail_fov_y(core::f32::consts::FRAC_PI_2, args.size.x / args.size.y),
     };
     // Looking straight up or down, the top of the screen is north.
-    let up = if args.look.normalize().z.abs() > 0.999 { Vec3::Y } else { Vec3::Z };
+    let up = if args.look.normalize().z.abs() > 0.999 {
+        Vec3::Y
+    } else {
+        Vec3::Z
+    };
     let camera = Camera::new(eye.cell, eye.origin(), args.look, up, fov, args.size)
         .map_err(|e| Usage(format!("no camera: {e}")))?;
     let openings = Openings::new();
     let mut frame = FrameView::default();
-    frame.update(&world, &openings, &WorldObjects::new(&world), &FrameInput::new(camera));
+    frame.update(
+        &world,
+        &openings,
+        &WorldObjects::new(&world),
+        &FrameInput::new(camera),
+    );
     let rooms = rooms(&world, &frame, &camera);
     if let Some(path) = &args.output {
         std::fs::write(path, picture(&frame, &camera))
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
-    let terrain =
-        frame.commands().iter().filter(|c| matches!(c, Command::Terrain(_) | Command::TerrainBlock { .. })).count();
-    let objects = frame.commands().iter().filter(|c| matches!(c, Command::Object { .. })).count();
-    let buildings = frame.commands().iter().filter(|c| matches!(c, Command::Building { .. })).count();
+    let terrain = frame
+        .commands()
+        .iter()
+        .filter(|c| matches!(c, Command::Terrain(_) | Command::TerrainBlock { .. }))
+        .count();
+    let objects = frame
+        .commands()
+        .iter()
+        .filter(|c| matches!(c, Command::Object { .. }))
+        .count();
+    let buildings = frame
+        .commands()
+        .iter()
+        .filter(|c| matches!(c, Command::Building { .. }))
+        .count();
     if context.json {
         let cells: Vec<_> = rooms
             .iter()
@@ -92,8 +119,10 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
                 })
             })
             .collect();
-        let outside: Vec<Vec<[f32; 2]>> =
-            frame.landscape_views().map(|region| region.pixels(&camera).map(|p| p.to_array()).collect()).collect();
+        let outside: Vec<Vec<[f32; 2]>> = frame
+            .landscape_views()
+            .map(|region| region.pixels(&camera).map(|p| p.to_array()).collect())
+            .collect();
         return context.print_json(&json!({
             "eye": eye.to_string(), "cell": eye.cell.to_string(), "path": format!("{:?}", frame.path()),
             "cells": cells, "outside": outside, "terrain": terrain, "buildings": buildings, "objects": objects,
@@ -111,7 +140,12 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         style::CELL,
         fov.to_degrees()
     )?;
-    writeln!(out, "{head}frame{head:#}    {:?}: {}", frame.path(), in_words(&frame))?;
+    writeln!(
+        out,
+        "{head}frame{head:#}    {:?}: {}",
+        frame.path(),
+        in_words(&frame)
+    )?;
     writeln!(
         out,
         "{head}drawn{head:#}    {}, {}, {}, {}",
@@ -176,7 +210,9 @@ struct Room {
 fn rooms(world: &World, frame: &FrameView, camera: &Camera) -> Vec<Room> {
     let mut out = Vec::new();
     for command in frame.commands() {
-        let Command::Room { cell, views } = command else { continue };
+        let Command::Room { cell, views } = command else {
+            continue;
+        };
         let (mut low, mut high) = (camera.viewport(), Vec2::ZERO);
         let mut regions = Vec::new();
         let mut area = 0.0;
@@ -200,8 +236,12 @@ fn rooms(world: &World, frame: &FrameView, camera: &Camera) -> Vec<Room> {
 
 /// From the eye to the nearest point of the cell's box, metres.
 fn distance(world: &World, id: CellId, camera: &Camera) -> f32 {
-    let Some(cell) = world.env_cell(id) else { return 0.0 };
-    let Some(bounds) = cell.structure.bounds else { return 0.0 };
+    let Some(cell) = world.env_cell(id) else {
+        return 0.0;
+    };
+    let Some(bounds) = cell.structure.bounds else {
+        return 0.0;
+    };
     let eye = cell.frame.global_to_local(camera.eye_in(id.block()));
     eye.distance(eye.clamp(bounds.min, bounds.max))
 }

@@ -14,9 +14,9 @@ use crate::ui::{Align, Context, Table, style};
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  vestibule where \"0xA9B4001C [84 78 40.7]\"
+  vestibule where \"0xA9B40031 [155.372 16.028 94.005]\"
   vestibule where 42.1N, 33.6E
-  vestibule where \"0xA9B40101 [82 84 40.105] 1 0 0 0\" --json")]
+  vestibule where \"0xA9B40101 [155.4 14.2 94.005] 1 0 0 0\" --json")]
 pub(crate) struct Args {
     /// Position \"0xCELL [x y z]\" or map coordinates 42.1N, 33.6E
     #[arg(required = true, num_args = 1.., allow_negative_numbers = true)]
@@ -27,7 +27,11 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let place = join_place(&args.place)?;
     let world = context.world()?;
     let location = locate(&world, &place.position(&world)?);
-    if context.json { context.print_json(&location) } else { print(&location, context) }
+    if context.json {
+        context.print_json(&location)
+    } else {
+        print(&location, context)
+    }
 }
 
 fn in_words(cell: &CellSummary) -> String {
@@ -58,24 +62,41 @@ fn print(location: &Location, context: &mut Context) -> anyhow::Result<()> {
     match &location.placed_in {
         Some(cell) if cell.cell == location.named.cell => {}
         Some(cell) => writeln!(out, "{head}placed in{head:#}  {}", in_words(cell))?,
-        None => writeln!(out, "{head}placed in{head:#}  no cell: a body put here would be lost")?,
+        None => writeln!(
+            out,
+            "{head}placed in{head:#}  no cell: a body put here would be lost"
+        )?,
     }
     match &location.containing {
         Some(cell) => writeln!(out, "{head}cell{head:#}       {}", in_words(cell))?,
-        None => writeln!(out, "{head}cell{head:#}       none holds the centre of the lower sphere")?,
+        None => writeln!(
+            out,
+            "{head}cell{head:#}       none holds the centre of the lower sphere"
+        )?,
     }
     if !location.touching.is_empty() {
         writeln!(out, "{head}touching{head:#}   {}", location.touching.join(" "))?;
     }
     if location.env_cells_here.len() > 1 {
-        writeln!(out, "{head}overlap{head:#}    the centre is in {}", location.env_cells_here.join(" and "))?;
+        writeln!(
+            out,
+            "{head}overlap{head:#}    the centre is in {}",
+            location.env_cells_here.join(" and ")
+        )?;
     } else if let ([other], Some(cell)) = (location.env_cells_here.as_slice(), &location.containing) {
         if *other != cell.cell {
-            writeln!(out, "{head}note{head:#}       {other} holds the centre too, but is not reached from there")?;
+            writeln!(
+                out,
+                "{head}note{head:#}       {other} holds the centre too, but is not reached from there"
+            )?;
         }
     }
     if let Some(ground) = &location.ground {
-        let walkable = if ground.walkable { "walkable" } else { "too steep to stand on" };
+        let walkable = if ground.walkable {
+            "walkable"
+        } else {
+            "too steep to stand on"
+        };
         writeln!(
             out,
             "{head}ground{head:#}     {} at z {:.3}, slope {:.1} degrees, {walkable}; the place is {:.3} m {} it",
@@ -93,13 +114,21 @@ fn print(location: &Location, context: &mut Context) -> anyhow::Result<()> {
         }
         let road = if ground.road { ", road" } else { "" };
         writeln!(out, "{head}terrain{head:#}    {}{road}", terrain.join(", "))?;
-        writeln!(out, "{head}water{head:#}      {}, a body sinks in {:.2} m", ground.water, ground.water_depth)?;
+        writeln!(
+            out,
+            "{head}water{head:#}      {}, a body sinks in {:.2} m",
+            ground.water, ground.water_depth
+        )?;
     } else {
         writeln!(out, "{head}ground{head:#}     no terrain here")?;
     }
     if !location.neighbours.is_empty() {
         writeln!(out)?;
-        let mut table = Table::new(&[("neighbour", Align::Left), ("by", Align::Left), ("metres", Align::Right)]);
+        let mut table = Table::new(&[
+            ("neighbour", Align::Left),
+            ("by", Align::Left),
+            ("metres", Align::Right),
+        ]);
         for n in &location.neighbours {
             let distance = n.distance.map(|d| format!("{d:.2}")).unwrap_or_default();
             table.row([n.cell.clone(), n.way.clone(), distance]);

@@ -72,7 +72,11 @@ impl BodyInput {
         let sphere = |&[x, y, z, r]: &[f32; 4]| Sphere::new(Vec3::new(x, y, z), r);
         let spheres: Vec<Sphere> = self.spheres.iter().map(sphere).collect();
         let mut mover = Mover::new(&spheres)?.with_steps(self.step_up, self.step_down);
-        let edge_slide = if self.edge_slide { ObjectState::EDGE_SLIDE } else { ObjectState::default() };
+        let edge_slide = if self.edge_slide {
+            ObjectState::EDGE_SLIDE
+        } else {
+            ObjectState::default()
+        };
         mover.state = edge_slide | ObjectState(self.flags);
         Ok(mover)
     }
@@ -91,11 +95,17 @@ impl BodyInput {
 impl BodyState {
     /// As sweeps take it.
     pub fn carried(&self) -> Carried {
-        let contact = self.plane.filter(|_| self.contact).map(|[x, y, z, d]| ContactPlane {
-            plane: Plane { normal: Vec3::new(x, y, z), d },
-            cell: CellId(self.plane_cell),
-            is_water: self.water,
-        });
+        let contact = self
+            .plane
+            .filter(|_| self.contact)
+            .map(|[x, y, z, d]| ContactPlane {
+                plane: Plane {
+                    normal: Vec3::new(x, y, z),
+                    d,
+                },
+                cell: CellId(self.plane_cell),
+                is_water: self.water,
+            });
         Carried {
             contact,
             on_walkable: self.on_walkable,

@@ -42,7 +42,12 @@ impl Case {
     }
 
     pub(crate) fn bad(&self, source: serde_json::Error) -> ConformError {
-        ConformError::Case { path: self.place.0.clone(), line: self.place.1, id: self.id.clone(), source }
+        ConformError::Case {
+            path: self.place.0.clone(),
+            line: self.place.1,
+            id: self.id.clone(),
+            source,
+        }
     }
 }
 
@@ -110,9 +115,15 @@ pub fn read_folder(folder: &Path) -> Result<Vec<Case>, ConformError> {
     let mut cases = Vec::new();
     for path in files {
         let text = std::fs::read_to_string(&path).map_err(io(&path))?;
-        for (line, text) in (1..).zip(text.lines()).filter(|(_, text)| !text.trim().is_empty()) {
-            let mut case: Case = serde_json::from_str(text)
-                .map_err(|source| ConformError::Line { path: path.clone(), line, source })?;
+        for (line, text) in (1..)
+            .zip(text.lines())
+            .filter(|(_, text)| !text.trim().is_empty())
+        {
+            let mut case: Case = serde_json::from_str(text).map_err(|source| ConformError::Line {
+                path: path.clone(),
+                line,
+                source,
+            })?;
             case.place = (path.clone(), line);
             cases.push(case);
         }

@@ -49,28 +49,100 @@ fn mover(body: &BodyInput) -> Result<Mover, Error> {
 }
 
 pub(super) fn sweep_case(stage: &mut Stage, case: &Case) -> Result<Vec<FieldDifference>, Error> {
-    let (input, expect) = (SweepIn::deserialize(&case.input)?, SweepExpect::deserialize(&case.expect)?);
+    let (input, expect) = (
+        SweepIn::deserialize(&case.input)?,
+        SweepExpect::deserialize(&case.expect)?,
+    );
     let (mover, from) = (mover(&input.body)?, input.body.start());
     let to = Position::new(from.cell, input.to.into());
-    let Stage { world, population, scratch, .. } = stage;
-    let swept = sweep(world, population, scratch, &mover, &input.body.carried(), &from, &to);
+    let Stage {
+        world,
+        population,
+        scratch,
+        ..
+    } = stage;
+    let swept = sweep(
+        world,
+        population,
+        scratch,
+        &mover,
+        &input.body.carried(),
+        &from,
+        &to,
+    );
     let swept = swept.map_err(Error::custom)?;
     let mut out = Vec::new();
     exactly(&mut out, "ok", json!(expect.ok), json!(swept.ok));
-    exactly(&mut out, "cell", json!(expect.cell), json!(swept.cell.unwrap_or_default().0));
-    exactly(&mut out, "pos_cell", json!(expect.pos_cell), json!(swept.position.cell.0));
-    within(&mut out, "pos", &expect.pos, &swept.position.origin().to_array(), TOLERANCE);
-    exactly(&mut out, "contact", json!(expect.contact), json!(swept.contact.is_some()));
+    exactly(
+        &mut out,
+        "cell",
+        json!(expect.cell),
+        json!(swept.cell.unwrap_or_default().0),
+    );
+    exactly(
+        &mut out,
+        "pos_cell",
+        json!(expect.pos_cell),
+        json!(swept.position.cell.0),
+    );
+    within(
+        &mut out,
+        "pos",
+        &expect.pos,
+        &swept.position.origin().to_array(),
+        TOLERANCE,
+    );
+    exactly(
+        &mut out,
+        "contact",
+        json!(expect.contact),
+        json!(swept.contact.is_some()),
+    );
     if let (Some(plane), Some(contact)) = (expect.contact_plane, swept.contact) {
         within(&mut out, "contact_plane", &plane, &plane_of(&contact), TOLERANCE);
-        exactly(&mut out, "contact_cell", json!(expect.contact_cell), json!(contact.cell.0));
-        exactly(&mut out, "contact_water", json!(expect.contact_water), json!(contact.is_water));
+        exactly(
+            &mut out,
+            "contact_cell",
+            json!(expect.contact_cell),
+            json!(contact.cell.0),
+        );
+        exactly(
+            &mut out,
+            "contact_water",
+            json!(expect.contact_water),
+            json!(contact.is_water),
+        );
     }
-    exactly(&mut out, "on_walkable", json!(expect.on_walkable), json!(swept.on_walkable));
-    normal(&mut out, "collision_normal", expect.collision_normal, swept.collision_normal);
-    normal(&mut out, "sliding_normal", expect.sliding_normal, swept.sliding_normal);
-    exactly(&mut out, "collided_env", json!(expect.collided_env), json!(swept.collided_with_environment));
-    exactly(&mut out, "stationary", json!(expect.stationary), json!(swept.stationary));
+    exactly(
+        &mut out,
+        "on_walkable",
+        json!(expect.on_walkable),
+        json!(swept.on_walkable),
+    );
+    normal(
+        &mut out,
+        "collision_normal",
+        expect.collision_normal,
+        swept.collision_normal,
+    );
+    normal(
+        &mut out,
+        "sliding_normal",
+        expect.sliding_normal,
+        swept.sliding_normal,
+    );
+    exactly(
+        &mut out,
+        "collided_env",
+        json!(expect.collided_env),
+        json!(swept.collided_with_environment),
+    );
+    exactly(
+        &mut out,
+        "stationary",
+        json!(expect.stationary),
+        json!(swept.stationary),
+    );
     let cells: Vec<u32> = stage.scratch.cells().iter().map(|entry| entry.id.0).collect();
     exactly(&mut out, "cells", json!(expect.cells), json!(cells));
     Ok(out)
@@ -103,7 +175,10 @@ struct WalkExpect {
 }
 
 pub(super) fn walk_case(stage: &mut Stage, case: &Case) -> Result<Vec<FieldDifference>, Error> {
-    let (input, expect) = (WalkIn::deserialize(&case.input)?, WalkExpect::deserialize(&case.expect)?);
+    let (input, expect) = (
+        WalkIn::deserialize(&case.input)?,
+        WalkExpect::deserialize(&case.expect)?,
+    );
     let (trail, state) = walk(stage, &input)?;
     let mut out = Vec::new();
     exactly(&mut out, "rows", json!(expect.trail.len()), json!(trail.len()));
@@ -113,21 +188,61 @@ pub(super) fn walk_case(stage: &mut Stage, case: &Case) -> Result<Vec<FieldDiffe
         if want.0 != got.0.0 || want.4 != got.2 || !close {
             let p = got.1;
             let row: Value = json!([got.0.0, p.x, p.y, p.z, got.2]);
-            out.push(FieldDifference { field: format!("trail[{i}]"), expected: json!(want), actual: row });
+            out.push(FieldDifference {
+                field: format!("trail[{i}]"),
+                expected: json!(want),
+                actual: row,
+            });
             // What follows differs because of this.
             return Ok(out);
         }
     }
     let end = expect.state.carried();
-    exactly(&mut out, "state.contact", json!(end.contact.is_some()), json!(state.contact.is_some()));
+    exactly(
+        &mut out,
+        "state.contact",
+        json!(end.contact.is_some()),
+        json!(state.contact.is_some()),
+    );
     if let (Some(expected), Some(actual)) = (end.contact, state.contact) {
-        within(&mut out, "state.plane", &plane_of(&expected), &plane_of(&actual), TOLERANCE);
-        exactly(&mut out, "state.plane_cell", json!(expected.cell.0), json!(actual.cell.0));
-        exactly(&mut out, "state.water", json!(expected.is_water), json!(actual.is_water));
-        exactly(&mut out, "state.on_walkable", json!(end.on_walkable), json!(state.on_walkable));
+        within(
+            &mut out,
+            "state.plane",
+            &plane_of(&expected),
+            &plane_of(&actual),
+            TOLERANCE,
+        );
+        exactly(
+            &mut out,
+            "state.plane_cell",
+            json!(expected.cell.0),
+            json!(actual.cell.0),
+        );
+        exactly(
+            &mut out,
+            "state.water",
+            json!(expected.is_water),
+            json!(actual.is_water),
+        );
+        exactly(
+            &mut out,
+            "state.on_walkable",
+            json!(end.on_walkable),
+            json!(state.on_walkable),
+        );
     }
-    normal(&mut out, "state.sliding", end.sliding_normal.map(|n| n.to_array()), state.sliding_normal);
-    exactly(&mut out, "state.stationary", json!(end.stationary), json!(state.stationary));
+    normal(
+        &mut out,
+        "state.sliding",
+        end.sliding_normal.map(|n| n.to_array()),
+        state.sliding_normal,
+    );
+    exactly(
+        &mut out,
+        "state.stationary",
+        json!(end.stationary),
+        json!(state.stationary),
+    );
     Ok(out)
 }
 
@@ -144,10 +259,18 @@ fn walk(stage: &mut Stage, input: &WalkIn) -> Result<(Vec<Row>, Carried), Error>
         let to = Position::new(at.cell, at.origin() + Vec3::from(step));
         let moved = (to.origin() - at.origin()).abs();
         if !(moved.x < NO_STEP && moved.y < NO_STEP && moved.z < NO_STEP) {
-            let Stage { world, population, scratch, .. } = &mut *stage;
+            let Stage {
+                world,
+                population,
+                scratch,
+                ..
+            } = &mut *stage;
             let swept = sweep(world, population, scratch, &mover, &state, &at, &to).map_err(Error::custom)?;
             if let (true, Some(cell)) = (swept.ok, swept.cell) {
-                at = Position { cell, ..swept.position };
+                at = Position {
+                    cell,
+                    ..swept.position
+                };
                 state = swept.carried();
                 bits |= 16;
                 bits |= u32::from(swept.collided_with_environment) << 3;

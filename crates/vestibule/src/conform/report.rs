@@ -78,10 +78,17 @@ impl Report {
     }
 
     pub(super) fn of(&mut self, op: &str) -> &mut OpReport {
-        let at = self.ops.iter().position(|known| known.op == op).unwrap_or_else(|| {
-            self.ops.push(OpReport { op: op.to_owned(), ..OpReport::default() });
-            self.ops.len() - 1
-        });
+        let at = self
+            .ops
+            .iter()
+            .position(|known| known.op == op)
+            .unwrap_or_else(|| {
+                self.ops.push(OpReport {
+                    op: op.to_owned(),
+                    ..OpReport::default()
+                });
+                self.ops.len() - 1
+            });
         &mut self.ops[at]
     }
 
@@ -110,6 +117,7 @@ impl Report {
     }
 
     pub(super) fn sort_by(&mut self, position: impl Fn(&str) -> Option<usize>) {
-        self.ops.sort_by_key(|op| (position(&op.op).unwrap_or(usize::MAX), op.op.clone()));
+        self.ops
+            .sort_by_key(|op| (position(&op.op).unwrap_or(usize::MAX), op.op.clone()));
     }
 }

@@ -31,7 +31,12 @@ struct Cells {
 
 impl From<Cells> for ExpectedCells {
     fn from(cells: Cells) -> Self {
-        ExpectedCells { must: cells.must, may: cells.may, thin: cells.thin, areas: cells.areas }
+        ExpectedCells {
+            must: cells.must,
+            may: cells.may,
+            thin: cells.thin,
+            areas: cells.areas,
+        }
     }
 }
 
@@ -46,7 +51,12 @@ pub(super) fn visible(stage: &mut Stage, case: &Case) -> Result<Vec<FieldDiffere
         fov_y: input.fov_y,
         aspect: input.aspect,
     };
-    let Stage { world, openings, pview, .. } = stage;
+    let Stage {
+        world,
+        openings,
+        pview,
+        ..
+    } = stage;
     let answer = query.answer(world, openings, pview).map_err(Error::custom)?;
     // The traversal keeps every view, however thin, so thin cells must be there.
     let differences = expect.differences(&answer, false);

@@ -48,10 +48,18 @@ pub(super) fn draw(svg: &mut Svg, world: &World, block: &Landblock, trail: &[(Ce
     for (id, _) in block.land_cells() {
         let index = f32::from(id.low() - 1);
         let corner = Vec2::new((index / 8.0).floor(), index % 8.0) * 24.0;
-        panel.text(corner + Vec2::new(22.0, 1.6), "lid", 9.0, &format!("{:02X}", id.low()));
+        panel.text(
+            corner + Vec2::new(22.0, 1.6),
+            "lid",
+            9.0,
+            &format!("{:02X}", id.low()),
+        );
     }
     for (index, building) in block.buildings.iter().enumerate() {
-        let title = format!("building {index}, model 0x{:08X}, on {}", building.model_id, building.cell);
+        let title = format!(
+            "building {index}, model 0x{:08X}, on {}",
+            building.model_id, building.cell
+        );
         for (part, frame) in building.shape.parts.iter().zip(&building.part_frames) {
             let Some(model) = &part.model else { continue };
             let vertices = model.polygons.all_vertices().iter();
@@ -62,7 +70,12 @@ pub(super) fn draw(svg: &mut Svg, world: &World, block: &Landblock, trail: &[(Ce
     draw_statics(&mut panel, block.statics.iter().take(block.land_statics as usize));
     for opening in route::entrances(world, block.id) {
         let corners: Vec<Vec2> = opening.corners.iter().map(|c| c.truncate()).collect();
-        let title = format!("portal {} of {}, {}", opening.id.portal, opening.id.cell, opening.in_words());
+        let title = format!(
+            "portal {} of {}, {}",
+            opening.id.portal,
+            opening.id.cell,
+            opening.in_words()
+        );
         panel.line(&corners, "ex", &title);
     }
     draw_trail(&mut panel, trail, |cell, pos| {
@@ -73,11 +86,18 @@ pub(super) fn draw(svg: &mut Svg, world: &World, block: &Landblock, trail: &[(Ce
 }
 
 fn range(land: &Land) -> (f32, f32) {
-    land.heights.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &h| (low.min(h), high.max(h)))
+    land.heights
+        .iter()
+        .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &h| {
+            (low.min(h), high.max(h))
+        })
 }
 
 fn contour_step(range: f32) -> f32 {
-    [1.0, 2.0, 5.0, 10.0, 20.0, 50.0].into_iter().find(|step| range / step <= 16.0).unwrap_or(100.0)
+    [1.0, 2.0, 5.0, 10.0, 20.0, 50.0]
+        .into_iter()
+        .find(|step| range / step <= 16.0)
+        .unwrap_or(100.0)
 }
 
 fn corner_words(land: &Land, id: CellId) -> [vestibule_world::TerrainWord; 4] {
@@ -92,11 +112,17 @@ fn colour(polygon: &TerrainPolygon, land: &Land) -> String {
     let mut sum = Vec3::ZERO;
     for v in &polygon.vertices {
         let at = |m: f32| ((m / 24.0).round() as usize).min(8);
-        let word = land.words.get(vertex_index(at(v.x), at(v.y))).copied().unwrap_or_default();
+        let word = land
+            .words
+            .get(vertex_index(at(v.x), at(v.y)))
+            .copied()
+            .unwrap_or_default();
         sum += type_colour(word.terrain_type());
     }
     let light = Vec3::new(-0.4, 0.5, 0.77).dot(polygon.plane.normal);
-    let [r, g, b] = (sum / 3.0 * (0.35 + 0.75 * light.max(0.0))).min(Vec3::splat(255.0)).to_array();
+    let [r, g, b] = (sum / 3.0 * (0.35 + 0.75 * light.max(0.0)))
+        .min(Vec3::splat(255.0))
+        .to_array();
     format!("#{:02x}{:02x}{:02x}", r as u8, g as u8, b as u8)
 }
 

@@ -42,7 +42,10 @@ pub(super) fn draw(svg: &mut Svg, world: &World, block: &Landblock, trail: &[(Ce
     rooms.sort_by(|a, b| a.level.total_cmp(&b.level).then(a.cell.id.cmp(&b.cell.id)));
     let mut levels: Vec<Vec<Room<'_>>> = Vec::new();
     for room in rooms {
-        let fits = levels.last().and_then(|l| l.first()).is_some_and(|first| room.level - first.level <= LEVEL_HEIGHT);
+        let fits = levels
+            .last()
+            .and_then(|l| l.first())
+            .is_some_and(|first| room.level - first.level <= LEVEL_HEIGHT);
         match levels.last_mut() {
             Some(level) if fits => level.push(room),
             _ => levels.push(vec![room]),
@@ -59,8 +62,10 @@ pub(super) fn draw(svg: &mut Svg, world: &World, block: &Landblock, trail: &[(Ce
 
 /// Windows and other niches are drawn with the room they belong to.
 fn attach_niches(rooms: &mut [Room<'_>]) {
-    let known: Vec<(CellId, f32, f32, f32)> =
-        rooms.iter().map(|room| (room.cell.id, room.area, room.low.z, room.high.z)).collect();
+    let known: Vec<(CellId, f32, f32, f32)> = rooms
+        .iter()
+        .map(|room| (room.cell.id, room.area, room.low.z, room.high.z))
+        .collect();
     for room in rooms.iter_mut().filter(|room| room.area < NICHE) {
         let host = room.openings.iter().find_map(|opening| match opening.to {
             PortalTarget::Cell(other) => known.iter().find(|(id, area, low, high)| {
@@ -84,8 +89,9 @@ fn apart(rooms: Vec<Room<'_>>) -> Vec<Vec<Room<'_>>> {
     };
     let mut groups: Vec<Vec<Room<'_>>> = Vec::new();
     for room in rooms {
-        let (touching, mut rest): (Vec<_>, Vec<_>) =
-            groups.into_iter().partition(|group| group.iter().any(|other| near(&room, other)));
+        let (touching, mut rest): (Vec<_>, Vec<_>) = groups
+            .into_iter()
+            .partition(|group| group.iter().any(|other| near(&room, other)));
         let mut joined: Vec<Room<'_>> = touching.into_iter().flatten().collect();
         joined.push(room);
         rest.push(joined);
@@ -114,9 +120,15 @@ fn draw_group(
     }
     let floor_low = rooms.iter().map(|room| room.level).fold(f32::INFINITY, f32::min);
     let floor_high = rooms.iter().map(|room| room.level).fold(floor_low, f32::max);
-    let floors =
-        if floor_high - floor_low < 0.1 { format!("{floor_low:.2} m") } else { format!("{floor_low:.2} to {floor_high:.2} m") };
-    let heading = format!("Level {number} of {total}: floor at {floors}, {}", count(rooms.len(), "cell"));
+    let floors = if floor_high - floor_low < 0.1 {
+        format!("{floor_low:.2} m")
+    } else {
+        format!("{floor_low:.2} to {floor_high:.2} m")
+    };
+    let heading = format!(
+        "Level {number} of {total}: floor at {floors}, {}",
+        count(rooms.len(), "cell")
+    );
     let edge = Vec2::splat(1.2);
     let mut panel = svg.panel(&heading, low.truncate() - edge, high.truncate() + edge, 46.0);
     let ids: BTreeSet<CellId> = rooms.iter().map(|room| room.cell.id).collect();
@@ -124,10 +136,19 @@ fn draw_group(
         // Neighbouring numbers get colours far apart.
         let hue = u32::from(room.cell.id.low()) * 137 % 360;
         let light = if room.cell.seen_outside { 90 } else { 82 };
-        let sees = if room.cell.seen_outside { "sees the outside" } else { "sealed" };
+        let sees = if room.cell.seen_outside {
+            "sees the outside"
+        } else {
+            "sealed"
+        };
         let title = format!("{}, {sees}", room.cell.id);
         for slope in &room.slopes {
-            panel.filled(slope, "fl", &format!("hsl({hue},30%,72%)"), &format!("{title}, too steep to stand on"));
+            panel.filled(
+                slope,
+                "fl",
+                &format!("hsl({hue},30%,72%)"),
+                &format!("{title}, too steep to stand on"),
+            );
         }
         for floor in &room.floors {
             panel.filled(floor, "fl", &format!("hsl({hue},45%,{light}%)"), &title);
@@ -148,7 +169,12 @@ fn draw_group(
                 PortalTarget::Outside => "the outside".to_owned(),
                 PortalTarget::Cell(cell) => cell.to_string(),
             };
-            let title = format!("{} portal {} to {to}: {}", opening.id.cell, opening.id.portal, opening.in_words());
+            let title = format!(
+                "{} portal {} to {to}: {}",
+                opening.id.cell,
+                opening.id.portal,
+                opening.in_words()
+            );
             if opening.is_flat() {
                 panel.polygon(&corners, if outside { "skylight" } else { "hole" }, &title);
             } else if let Some(ends) = ends_of(&corners) {
@@ -157,7 +183,8 @@ fn draw_group(
         }
     }
     draw_trail(&mut panel, trail, |cell, pos| {
-        let near = pos.truncate().cmpge(low.truncate() - edge).all() && pos.truncate().cmple(high.truncate() + edge).all();
+        let near = pos.truncate().cmpge(low.truncate() - edge).all()
+            && pos.truncate().cmple(high.truncate() + edge).all();
         let outdoors_here = !cell.is_indoor() && near && pos.z > low.z - 1.0 && pos.z < low.z + 2.5;
         ids.contains(&cell) || outdoors_here
     });
@@ -180,7 +207,9 @@ fn room<'w>(world: &World, cell: &'w EnvCell) -> Option<Room<'w>> {
         }
         let normal = cell.frame.local_to_global_vec(polygon.plane.normal);
         let corners = structure.polygons.vertices(polygon).iter();
-        let corners: Vec<Vec2> = corners.map(|&v| cell.frame.local_to_global(v).truncate()).collect();
+        let corners: Vec<Vec2> = corners
+            .map(|&v| cell.frame.local_to_global(v).truncate())
+            .collect();
         if normal.z >= FLOOR_Z {
             floors.push(corners);
         } else if normal.z > 0.05 {
@@ -199,10 +228,23 @@ fn room<'w>(world: &World, cell: &'w EnvCell) -> Option<Room<'w>> {
         sum.abs() / 2.0
     };
     let largest = floors.iter().max_by(|a, b| area(a).total_cmp(&area(b)));
-    let label = largest.map_or(middle, |f| f.iter().copied().sum::<Vec2>() / f.len().max(1) as f32);
+    let label = largest.map_or(middle, |f| {
+        f.iter().copied().sum::<Vec2>() / f.len().max(1) as f32
+    });
     let openings = route::openings(world, cell.id);
     let (area, level) = (floors.iter().map(|f| area(f)).sum(), bounds.min.z);
-    Some(Room { cell, floors, slopes, walls, openings, low: bounds.min, high: bounds.max, label, area, level })
+    Some(Room {
+        cell,
+        floors,
+        slopes,
+        walls,
+        openings,
+        low: bounds.min,
+        high: bounds.max,
+        label,
+        area,
+        level,
+    })
 }
 
 /// The two corners that are farthest apart, if they are apart at all.

@@ -36,7 +36,10 @@ pub(super) struct Svg {
 
 impl Svg {
     pub(super) fn new() -> Self {
-        Svg { body: String::new(), height: MARGIN }
+        Svg {
+            body: String::new(),
+            height: MARGIN,
+        }
     }
 
     pub(super) fn title(&mut self, text: &str) {
@@ -59,11 +62,19 @@ impl Svg {
         ] {
             let _ = match class {
                 "hole" | "st" => {
-                    writeln!(self.body, r#"<rect class="{class}" x="{x}" y="{}" width="18" height="9"/>"#, y - 9.0)
+                    writeln!(
+                        self.body,
+                        r#"<rect class="{class}" x="{x}" y="{}" width="18" height="9"/>"#,
+                        y - 9.0
+                    )
                 }
                 _ => writeln!(self.body, r#"<path class="{class}" d="M{x} {0}h18"/>"#, y - 4.0),
             };
-            let _ = writeln!(self.body, r#"<text class="s" x="{}" y="{y}">{text}</text>"#, x + 24.0);
+            let _ = writeln!(
+                self.body,
+                r#"<text class="s" x="{}" y="{y}">{text}</text>"#,
+                x + 24.0
+            );
             x += 40.0 + 6.2 * text.len() as f32;
         }
     }
@@ -74,9 +85,20 @@ impl Svg {
         let room = WIDTH - 2.0 * MARGIN;
         let scale = (room / size.x).min(1400.0 / size.y).min(most);
         let top = self.height + HEADING;
-        let _ = writeln!(self.body, r#"<text class="h" x="{MARGIN}" y="{}">{heading}</text>"#, top - 9.0);
+        let _ = writeln!(
+            self.body,
+            r#"<text class="h" x="{MARGIN}" y="{}">{heading}</text>"#,
+            top - 9.0
+        );
         self.height = top + size.y * scale + MARGIN;
-        Panel { out: &mut self.body, low, scale, left: MARGIN, bottom: top + size.y * scale, size }
+        Panel {
+            out: &mut self.body,
+            low,
+            scale,
+            left: MARGIN,
+            bottom: top + size.y * scale,
+            size,
+        }
     }
 
     pub(super) fn finish(self) -> String {
@@ -107,7 +129,10 @@ impl Panel<'_> {
     }
 
     fn at(&self, p: Vec2) -> (f32, f32) {
-        (self.left + (p.x - self.low.x) * self.scale, self.bottom - (p.y - self.low.y) * self.scale)
+        (
+            self.left + (p.x - self.low.x) * self.scale,
+            self.bottom - (p.y - self.low.y) * self.scale,
+        )
     }
 
     fn path(&self, points: &[Vec2]) -> String {
@@ -120,20 +145,32 @@ impl Panel<'_> {
     }
 
     fn titled(title: &str) -> String {
-        if title.is_empty() { "/>".to_owned() } else { format!("><title>{title}</title></path>") }
+        if title.is_empty() {
+            "/>".to_owned()
+        } else {
+            format!("><title>{title}</title></path>")
+        }
     }
 
     pub(super) fn line(&mut self, points: &[Vec2], class: &str, title: &str) {
         if points.len() > 1 {
             let d = self.path(points);
-            let _ = writeln!(self.out, r#"<path class="{class}" d="{d}"{}"#, Self::titled(title));
+            let _ = writeln!(
+                self.out,
+                r#"<path class="{class}" d="{d}"{}"#,
+                Self::titled(title)
+            );
         }
     }
 
     pub(super) fn polygon(&mut self, points: &[Vec2], class: &str, title: &str) {
         if points.len() > 2 {
             let d = self.path(points);
-            let _ = writeln!(self.out, r#"<path class="{class}" d="{d}Z"{}"#, Self::titled(title));
+            let _ = writeln!(
+                self.out,
+                r#"<path class="{class}" d="{d}Z"{}"#,
+                Self::titled(title)
+            );
         }
     }
 
@@ -158,8 +195,10 @@ impl Panel<'_> {
     pub(super) fn text(&mut self, at: Vec2, class: &str, size: f32, text: &str) {
         let (x, y) = self.at(at);
         let y = y + size * 0.35;
-        let _ =
-            writeln!(self.out, r#"<text class="{class}" font-size="{size:.0}" x="{x:.1}" y="{y:.1}">{text}</text>"#);
+        let _ = writeln!(
+            self.out,
+            r#"<text class="{class}" font-size="{size:.0}" x="{x:.1}" y="{y:.1}">{text}</text>"#
+        );
     }
 
     /// Frame, scale bar and north arrow.
@@ -171,7 +210,10 @@ impl Panel<'_> {
             r#"<rect class="fr" x="{left:.1}" y="{top:.1}" width="{w:.1}" height="{h:.1}"/>"#
         );
         let metres = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
-        let length = metres.into_iter().find(|m| m * self.scale > 50.0).unwrap_or(100.0);
+        let length = metres
+            .into_iter()
+            .find(|m| m * self.scale > 50.0)
+            .unwrap_or(100.0);
         let end = length * self.scale;
         let (x, y) = (left + w - end - 10.0, bottom - 8.0);
         let _ = writeln!(
@@ -179,7 +221,12 @@ impl Panel<'_> {
             r##"<path d="M{x:.1} {0:.1}v6h{end:.1}v-6" fill="none" stroke="#222" stroke-width="1.5"/>"##,
             y - 6.0
         );
-        let _ = writeln!(self.out, r#"<text class="s" x="{:.1}" y="{:.1}">{length} m</text>"#, x - 34.0, y);
+        let _ = writeln!(
+            self.out,
+            r#"<text class="s" x="{:.1}" y="{:.1}">{length} m</text>"#,
+            x - 34.0,
+            y
+        );
         let (nx, ny) = (left + w - 14.0, top + 28.0);
         let _ = writeln!(
             self.out,
@@ -223,7 +270,14 @@ mod tests {
 
     #[test]
     fn the_hull_of_a_square_with_points_inside_is_the_square() {
-        let points = [(0.0, 0.0), (2.0, 0.0), (1.0, 1.0), (2.0, 2.0), (0.0, 2.0), (1.0, 0.0)];
+        let points = [
+            (0.0, 0.0),
+            (2.0, 0.0),
+            (1.0, 1.0),
+            (2.0, 2.0),
+            (0.0, 2.0),
+            (1.0, 0.0),
+        ];
         let hull = convex_hull(points.iter().map(|&(x, y)| Vec2::new(x, y)).collect());
         assert_eq!(hull.len(), 4);
     }

@@ -28,8 +28,8 @@ pub(crate) struct Args {
     /// World and file of starting bodies
     #[arg(long, value_name = "NAME")]
     world: String,
-    /// Steps
-    #[arg(short, value_name = "N", default_value_t = 200_000)]
+    /// Steps; the workload's expected shares are those of 25,000
+    #[arg(short, value_name = "N", default_value_t = 25_000)]
     n: u64,
 }
 
@@ -69,7 +69,11 @@ fn read_bodies(path: &Path) -> anyhow::Result<Vec<WorkloadBody>> {
             let place = || format!("line {line} of {}", path.display());
             let body: BodyInput = serde_json::from_str(text).with_context(place)?;
             let mover = body.mover().with_context(place)?;
-            Ok(WorkloadBody { mover, start: body.start(), carried: body.carried() })
+            Ok(WorkloadBody {
+                mover,
+                start: body.start(),
+                carried: body.carried(),
+            })
         })
         .collect()
 }

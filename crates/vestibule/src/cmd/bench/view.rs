@@ -54,7 +54,11 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     }
     let world = World::open(dats)?;
     cells.retain(|&id| world.env_cell(id).is_some_and(|cell| !cell.portals.is_empty()));
-    anyhow::ensure!(!cells.is_empty(), "there are no env cells to look from in {}", context.world_name());
+    anyhow::ensure!(
+        !cells.is_empty(),
+        "there are no env cells to look from in {}",
+        context.world_name()
+    );
     let mut random = Random(args.seed.max(1).wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
     let viewport = Vec2::new(1280.0, 720.0);
     let fov = retail_fov_y(core::f32::consts::FRAC_PI_2, viewport.x / viewport.y);
@@ -87,7 +91,10 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     }
     let seconds = started.elapsed().as_secs_f64();
     let runs = cameras.len() as f64 * f64::from(args.rounds.max(1));
-    anyhow::ensure!(check == seen * args.rounds.max(1) as usize, "traversals of the same eye differ");
+    anyhow::ensure!(
+        check == seen * args.rounds.max(1) as usize,
+        "traversals of the same eye differ"
+    );
     let (per_view, per_cell) = (seconds * 1e6 / runs, seconds * 1e9 / check.max(1) as f64);
     let mean = seen as f64 / cameras.len() as f64;
     if context.json {
@@ -98,7 +105,12 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     }
     let head = style::HEAD;
     let out = &mut context.out;
-    writeln!(out, "{head}{} eyes{head:#} in a world of {} env cells", cameras.len(), cells.len())?;
+    writeln!(
+        out,
+        "{head}{} eyes{head:#} in a world of {} env cells",
+        cameras.len(),
+        cells.len()
+    )?;
     writeln!(out, "us per traversal  {per_view:.2}")?;
     writeln!(out, "ns per cell seen  {per_cell:.0}")?;
     writeln!(out, "cells seen        {mean:.1} on average, {most} at most")?;
@@ -113,9 +125,11 @@ fn floor_middle(cell: &EnvCell) -> Option<Vec3> {
         !portal && cell.frame.local_to_global_vec(polygon.plane.normal).z >= FLOOR_Z
     });
     let area = |vertices: &[Vec3]| match vertices {
-        [first, rest @ ..] => {
-            rest.windows(2).map(|pair| (pair[0] - *first).cross(pair[1] - *first)).sum::<Vec3>().length()
-        }
+        [first, rest @ ..] => rest
+            .windows(2)
+            .map(|pair| (pair[0] - *first).cross(pair[1] - *first))
+            .sum::<Vec3>()
+            .length(),
         [] => 0.0,
     };
     let largest = floors

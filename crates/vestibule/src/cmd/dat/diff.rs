@@ -74,7 +74,11 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     } else {
         print(&rows, same, context)?;
     }
-    if rows.is_empty() { Ok(()) } else { Err(Failed.into()) }
+    if rows.is_empty() {
+        Ok(())
+    } else {
+        Err(Failed.into())
+    }
 }
 
 fn print(rows: &[Row], same: u64, context: &mut Context) -> anyhow::Result<()> {
@@ -88,16 +92,29 @@ fn print(rows: &[Row], same: u64, context: &mut Context) -> anyhow::Result<()> {
     ]);
     for row in rows {
         let sizes = match (row.sizes, row.change) {
-            ([Some(old), Some(new)], Change::Changed { at }) => format!("{old} to {new}, from byte 0x{at:X} on"),
+            ([Some(old), Some(new)], Change::Changed { at }) => {
+                format!("{old} to {new}, from byte 0x{at:X} on")
+            }
             ([Some(old), _], Change::Removed) => old.to_string(),
             ([_, Some(new)], _) => new.to_string(),
             _ => String::new(),
         };
         let kind = RecordKind::of(row.file, row.id);
-        table.row([row.change.name().to_owned(), hex(row.id), kind.to_string(), row.file.to_string(), sizes]);
+        table.row([
+            row.change.name().to_owned(),
+            hex(row.id),
+            kind.to_string(),
+            row.file.to_string(),
+            sizes,
+        ]);
     }
     if rows.is_empty() {
-        writeln!(out, "{}all {same} records are the same{:#}", style::GOOD, style::GOOD)?;
+        writeln!(
+            out,
+            "{}all {same} records are the same{:#}",
+            style::GOOD,
+            style::GOOD
+        )?;
         return Ok(());
     }
     table.write(out)?;
@@ -131,7 +148,12 @@ fn compare(kind: DatKind, old: &DatSet, new: &DatSet, rows: &mut Vec<Row>, same:
     let (mut i, mut j) = (0, 0);
     loop {
         progress.set(i as u64);
-        let row = |id, change, sizes| Row { file: kind, id, change, sizes };
+        let row = |id, change, sizes| Row {
+            file: kind,
+            id,
+            change,
+            sizes,
+        };
         match (olds.get(i), news.get(j)) {
             (None, None) => break,
             (Some(a), b) if b.is_none_or(|b| a.id < b.id) => {
@@ -149,7 +171,11 @@ fn compare(kind: DatKind, old: &DatSet, new: &DatSet, rows: &mut Vec<Row>, same:
                 match (read(old_file, a), read(new_file, b)) {
                     (Some(x), Some(y)) if x == y => *same += 1,
                     (Some(x), Some(y)) => {
-                        let at = x.iter().zip(&y).position(|(p, q)| p != q).unwrap_or(x.len().min(y.len()));
+                        let at = x
+                            .iter()
+                            .zip(&y)
+                            .position(|(p, q)| p != q)
+                            .unwrap_or(x.len().min(y.len()));
                         rows.push(row(a.id, Change::Changed { at }, [Some(x.len()), Some(y.len())]));
                     }
                     (x, y) => {

@@ -18,7 +18,7 @@ use crate::ui::{Context, Progress, Usage};
 #[command(after_help = "\
 Examples:
   vestibule dat extract 0xA9B40100 -o cell.bin
-  vestibule dat extract 0x0D000001 | xxd | head
+  vestibule dat extract 0x0D000001 | od -A x -t x1z | head
   vestibule dat extract --all -o records
   vestibule dat extract --all --type EnvCell -o cells")]
 pub(crate) struct Args {
@@ -45,18 +45,29 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         let found = locate(&dats, id, args.file, &context.world_name())?;
         match &args.output {
             Some(path) => {
-                std::fs::write(path, &found.bytes).with_context(|| format!("cannot write {}", path.display()))?;
-                writeln!(context.out, "{}: {} bytes to {}", hex(id), found.bytes.len(), path.display())?;
+                std::fs::write(path, &found.bytes)
+                    .with_context(|| format!("cannot write {}", path.display()))?;
+                writeln!(
+                    context.out,
+                    "{}: {} bytes to {}",
+                    hex(id),
+                    found.bytes.len(),
+                    path.display()
+                )?;
             }
             // Past the colour filter of the context's output, which would take bytes away.
             None => std::io::stdout().write_all(&found.bytes)?,
         }
         return Ok(());
     }
-    let Some(folder) = &args.output else { return Err(Usage("--all needs -o DIR".to_owned()).into()) };
+    let Some(folder) = &args.output else {
+        return Err(Usage("--all needs -o DIR".to_owned()).into());
+    };
     let wanted = match &args.kind {
         Some(name) => {
-            let kind = RecordKind::ALL.iter().find(|kind| kind.name().eq_ignore_ascii_case(name));
+            let kind = RecordKind::ALL
+                .iter()
+                .find(|kind| kind.name().eq_ignore_ascii_case(name));
             let kind = kind.ok_or_else(|| Usage(format!("no type '{name}'; `vestibule ls` names them")))?;
             Some(*kind)
         }
@@ -73,7 +84,11 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
             progress.set(done);
             let read = entry.and_then(|entry| {
                 let kind = RecordKind::of(file_kind, entry.id);
-                if wanted.is_some_and(|w| w != kind) { Ok(None) } else { Ok(Some((entry, kind, file.read(&entry)?))) }
+                if wanted.is_some_and(|w| w != kind) {
+                    Ok(None)
+                } else {
+                    Ok(Some((entry, kind, file.read(&entry)?)))
+                }
             });
             match read {
                 Ok(None) => {}
@@ -83,7 +98,8 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
                             .with_context(|| format!("cannot create {}", folder.display()))?;
                     }
                     let path = folder.join(format!("{:08X}.{kind}", entry.id));
-                    std::fs::write(&path, &bytes).with_context(|| format!("cannot write {}", path.display()))?;
+                    std::fs::write(&path, &bytes)
+                        .with_context(|| format!("cannot write {}", path.display()))?;
                     written += 1;
                 }
                 Err(e) => {

@@ -62,7 +62,13 @@ fn print(reports: &[FileReport], all: bool, context: &mut Context) -> anyhow::Re
     ]);
     for r in reports {
         let mut row = vec![r.file.clone()];
-        for n in [r.records, r.identical, r.padding_differs, r.different, r.unreadable] {
+        for n in [
+            r.records,
+            r.identical,
+            r.padding_differs,
+            r.different,
+            r.unreadable,
+        ] {
             row.push(n.to_string());
         }
         for n in [r.blocks.used, r.blocks.free, r.blocks.leaked, r.container_errors] {
@@ -77,21 +83,46 @@ fn print(reports: &[FileReport], all: bool, context: &mut Context) -> anyhow::Re
             writeln!(out, "{}problem{:#}: {problem}", style::BAD, style::BAD)?;
         }
         if r.problems.len() > shown {
-            writeln!(out, "... and {} more (--all shows them)", r.problems.len() - shown)?;
+            writeln!(
+                out,
+                "... and {} more (--all shows them)",
+                r.problems.len() - shown
+            )?;
         }
         for warning in &r.warnings {
-            writeln!(out, "{}warning{:#}: {}: {warning}", style::WARN, style::WARN, r.file)?;
+            writeln!(
+                out,
+                "{}warning{:#}: {}: {warning}",
+                style::WARN,
+                style::WARN,
+                r.file
+            )?;
         }
     }
     let records: u64 = reports.iter().map(|r| r.records).sum();
     let same: u64 = reports.iter().map(|r| r.identical + r.padding_differs).sum();
     let passed: u64 = reports.iter().map(|r| r.passed_through).sum();
-    let percent = if records == 0 { 100.0 } else { same as f64 * 100.0 / records as f64 };
+    let percent = if records == 0 {
+        100.0
+    } else {
+        same as f64 * 100.0 / records as f64
+    };
     // 99.999 must not read as 100.
-    let percent = if same < records && percent > 99.99 { 99.99 } else { percent };
+    let percent = if same < records && percent > 99.99 {
+        99.99
+    } else {
+        percent
+    };
     let good = reports.iter().all(FileReport::is_clean);
     let style = if good { style::GOOD } else { style::BAD };
-    let passed = if passed == 0 { String::new() } else { format!(" ({passed} of types that are passed through)") };
-    writeln!(out, "{style}{same} of {records} records come back byte for byte: {percent:.2} %{style:#}{passed}")?;
+    let passed = if passed == 0 {
+        String::new()
+    } else {
+        format!(" ({passed} of types that are passed through)")
+    };
+    writeln!(
+        out,
+        "{style}{same} of {records} records come back byte for byte: {percent:.2} %{style:#}{passed}"
+    )?;
     Ok(())
 }
