@@ -71,6 +71,8 @@ pub(crate) struct Painter {
     /// How much opaque triangles of meshes grow, pixels: [`GROWTH`](crate::raster::scan::GROWTH) for the viewer's own
     /// rooms, else nothing.
     pub(crate) growth: f64,
+    /// The viewer's cell does not see the outside.
+    pub(crate) sealed: bool,
     /// Sun and up in camera axes.
     sun: Vec3,
     slopes: (f64, f64),
@@ -99,6 +101,7 @@ impl Painter {
             fog: day.fog.filter(|_| settings.fog && !sealed),
             counters: RenderCounters::default(),
             growth: 0.0,
+            sealed,
             sun: eye.turn(levels.sun_direction.as_dvec3()).as_vec3(),
             slopes: (f64::from(camera.slopes().x), f64::from(camera.slopes().y)),
             eye,

@@ -13,7 +13,7 @@ use crate::overlaps::overlapping_cells;
 use crate::paint::{MeshLight, Mode, Owner, Painter};
 use crate::raster::scan::{Affine, GROWTH, Projection};
 use crate::raster::{Buffers, PUNCH_DEPTH, PixelId, PixelKind};
-use crate::scene::{RenderCounters, RenderSettings, Scene};
+use crate::scene::{LightDetail, RenderCounters, RenderSettings, Scene};
 
 /// A picture whose pixels say which cell's surface won them.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -244,7 +244,12 @@ impl<'a> Run<'a> {
             }
             None => DVec3::ZERO,
         };
-        Some(Lamp::of_viewer(position.as_vec3()))
+        let mut lamp = Lamp::of_viewer(position.as_vec3());
+        if self.painter.settings.light == LightDetail::PerPixel && !self.painter.sealed {
+            // By daylight it would drown what the room's own lamps do.
+            lamp.intensity *= 0.3;
+        }
+        Some(lamp)
     }
 
     pub(crate) fn set_light(&mut self, light: LightSet) {
