@@ -55,7 +55,7 @@ pub fn direct(simulation: &mut Simulation, tick: u64) {
         body.set_motion(Motion {
             forward: 1.0,
             turn,
-            run: draw % 3 != 0,
+            run: !draw.is_multiple_of(3),
             ..Motion::default()
         });
     });

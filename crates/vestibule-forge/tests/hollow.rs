@@ -139,6 +139,31 @@ fn an_opening_drawn_larger_on_one_side_is_no_exact_match() {
     assert!(gate.portals.iter().all(|p| p.exact_match));
 }
 
+/// An eye in a cellar that looks out must not see the underside of its own house.
+#[test]
+fn shells_are_not_drawn_below_the_ground() {
+    let compiled = compiled();
+    let world = world(&compiled);
+    let block = world.block(BlockId(0xA9B4)).unwrap();
+    assert_eq!(block.buildings.len(), 5);
+    for building in &block.buildings {
+        let model = building.shape.parts[0].model.as_ref().expect("a shell");
+        let openings: Vec<u32> = model.apertures.iter().map(|a| a.polygon).collect();
+        for (k, polygon) in (0u32..).zip(model.polygons.polygons()) {
+            let depth = |v: &Vec3| {
+                let p = building.frame.local_to_global(*v);
+                world.ground_at(building.cell, p).unwrap().z - p.z
+            };
+            let buried = model.polygons.vertices(polygon).iter().all(|v| depth(v) > 0.06);
+            assert!(
+                !buried || openings.contains(&k),
+                "{:?}: {polygon:?}",
+                building.cell
+            );
+        }
+    }
+}
+
 #[test]
 fn p5_who_sees_the_outside_and_who_does_not() {
     let compiled = compiled();

@@ -8,7 +8,7 @@ use glam::Vec3;
 use vestibule_world::{Child, ChildKind, Face, PhysicsBsp, PhysicsNode, SURE_OVERLAP, Sphere};
 
 use crate::constants::{ADJUST_TO_PLANE_BUDGET, BISECTION_STOP, EPSILON};
-use crate::polygon;
+use crate::polygon::{self, Overlap};
 
 /// Whether two spheres overlap as the walks see it: grazing ones do (6.1).
 #[inline]
@@ -73,7 +73,7 @@ pub(crate) fn sphere_intersects_poly<'b>(
 fn finds_poly<'b>(bsp: &'b PhysicsBsp, s: &Sphere, movement: Vec3, named: &mut Option<&'b Face>) -> bool {
     match hits(bsp, s, false, |_| true) {
         Hits::None => return false,
-        Hits::One(face) if is_sure(bsp, face, s) => {
+        Hits::One(face, overlap) if is_sure(bsp, face, overlap, s) => {
             *named = Some(face);
             return movement.dot(face.plane.normal) < 0.0;
         }
@@ -85,7 +85,7 @@ fn finds_poly<'b>(bsp: &'b PhysicsBsp, s: &Sphere, movement: Vec3, named: &mut O
 /// The polygons that a sphere overlaps, found without a walk.
 enum Hits<'b> {
     None,
-    One(&'b Face),
+    One(&'b Face, Overlap),
     /// More than one, or the tree is too large to tell quickly.
     Several,
 }
@@ -96,19 +96,27 @@ enum Hits<'b> {
 fn hits<'b>(bsp: &'b PhysicsBsp, s: &Sphere, only_up: bool, filter: impl Fn(&Face) -> bool) -> Hits<'b> {
     let mut hit = None;
     let several = bsp.any_face_near(s.center, s.radius - EPSILON, only_up, |face| {
-        filter(face) && polygon::polygon_hits_sphere(face, bsp.edges(face), s) && hit.replace(face).is_some()
+        if !filter(face) {
+            return false;
+        }
+        let overlap = polygon::overlap(face, bsp.edges(face), s);
+        overlap != Overlap::None && hit.replace((face, overlap)).is_some()
     });
     match (several, hit) {
         (Some(false), None) => Hits::None,
-        (Some(false), Some(face)) => Hits::One(face),
+        (Some(false), Some((face, overlap))) => Hits::One(face, overlap),
         _ => Hits::Several,
     }
 }
 
-/// Whether a walk is certain to reach a polygon that the sphere overlaps.
+/// Whether a walk is certain to reach a polygon that the sphere overlaps: when the overlap is deep enough.
 #[inline]
-fn is_sure(bsp: &PhysicsBsp, face: &Face, s: &Sphere) -> bool {
-    face.sound && polygon::hits_deeper(face, bsp.edges(face), s, SURE_OVERLAP)
+fn is_sure(bsp: &PhysicsBsp, face: &Face, overlap: Overlap, s: &Sphere) -> bool {
+    face.sound
+        && match overlap {
+            Overlap::Inside(dist) => dist <= s.radius - (SURE_OVERLAP + EPSILON),
+            _ => polygon::hits_deeper(face, bsp.edges(face), s, SURE_OVERLAP),
+        }
 }
 
 fn intersects_poly<'b>(
@@ -169,7 +177,7 @@ pub(crate) struct WalkableSearch<'b> {
 pub(crate) fn find_walkable<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>) {
     match walkable_hits(bsp, search) {
         Hits::None => {}
-        Hits::One(face) => {
+        Hits::One(face, overlap) => {
             let before = (search.sphere, search.walk_interp);
             if !rest_on(face, search) {
                 return;
@@ -177,7 +185,7 @@ pub(crate) fn find_walkable<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch
             // A walk reaches the face for certain; it finds no more if the moved sphere hits nothing.
             let clear = bsp.certainly_clear(search.sphere.center, search.sphere.radius)
                 || matches!(walkable_hits(bsp, search), Hits::None);
-            let alone = clear && is_sure(bsp, face, &before.0);
+            let alone = clear && is_sure(bsp, face, overlap, &before.0);
             if !alone {
                 (search.sphere, search.walk_interp) = before;
                 search.found = None;
@@ -308,8 +316,10 @@ pub(crate) fn sphere_intersects_solid(bsp: &PhysicsBsp, s: &Sphere, center_check
 #[inline(never)]
 fn finds_solid(bsp: &PhysicsBsp, s: &Sphere, center_check: bool) -> bool {
     match hits(bsp, s, false, |_| true) {
-        Hits::None => return center_check && center_is_solid(bsp, s),
-        Hits::One(face) if is_sure(bsp, face, s) => return true,
+        Hits::None => {
+            return center_check && !bsp.is_certainly_hollow_at(s.center) && center_is_solid(bsp, s);
+        }
+        Hits::One(face, overlap) if is_sure(bsp, face, overlap, s) => return true,
         _ => {}
     }
     solid(bsp, bsp.root, s, center_check)

@@ -12,34 +12,43 @@ use crate::transition::{InsertType, Transition, TransitionState};
 impl<'w> Transition<'w, '_> {
     /// The cell's own surroundings, then its building, then its objects; the first that objects decides (7.1,
     /// 7.4).
+    #[inline(always)]
     pub(crate) fn find_collisions_in_cell(&mut self, cell: CellRef<'w>) -> TransitionState {
         match cell {
             CellRef::Env { cell, block } => match self.find_env_cell_collisions(cell) {
                 TransitionState::Ok => self.find_obj_collisions(cell.id, block),
                 ts => ts,
             },
-            CellRef::Land { id, cell, block } => {
-                let mut ts = self.find_land_cell_collisions(id, cell, block);
-                if let (TransitionState::Ok, Some(index)) = (ts, cell.building) {
-                    if let Some(building) = block.buildings.get(usize::from(index)) {
-                        ts = self.find_building_collisions(building);
-                    }
-                }
-                if ts == TransitionState::Ok {
-                    self.find_obj_collisions(id, block)
-                } else {
-                    ts
-                }
-            }
+            CellRef::Land { id, cell, block } => self.find_collisions_on_land(id, cell, block),
+        }
+    }
+
+    #[inline(never)]
+    fn find_collisions_on_land(
+        &mut self,
+        id: CellId,
+        cell: &'w LandCell,
+        block: &'w Landblock,
+    ) -> TransitionState {
+        let mut ts = self.find_land_cell_collisions(id, cell, block);
+        if let (TransitionState::Ok, Some(index)) = (ts, cell.building)
+            && let Some(building) = block.buildings.get(usize::from(index))
+        {
+            ts = self.find_building_collisions(building);
+        }
+        if ts == TransitionState::Ok {
+            self.find_obj_collisions(id, block)
+        } else {
+            ts
         }
     }
 
     #[inline(always)]
     fn find_env_cell_collisions(&mut self, cell: &'w EnvCell) -> TransitionState {
-        if let Some(object) = cell.restriction {
-            if !self.may_enter(cell.id, object) {
-                return TransitionState::Collided;
-            }
+        if let Some(object) = cell.restriction
+            && !self.may_enter(cell.id, object)
+        {
+            return TransitionState::Collided;
         }
         self.path.obstruction_ethereal = false;
         if self.is_in_open_space(cell) {
@@ -116,11 +125,11 @@ impl<'w> Transition<'w, '_> {
         cell: &LandCell,
         block: &Landblock,
     ) -> TransitionState {
-        if let Some(object) = cell.restriction {
-            if !self.may_enter(id, object) {
-                self.handle_move_restriction(id);
-                return TransitionState::Collided;
-            }
+        if let Some(object) = cell.restriction
+            && !self.may_enter(id, object)
+        {
+            self.handle_move_restriction(id);
+            return TransitionState::Collided;
         }
         let offset = self.blk(self.path.check_pos.cell, id);
         let low = self.path.global_low_point - offset;
@@ -226,14 +235,14 @@ impl<'w> Transition<'w, '_> {
     }
 
     /// Whether the mover may be in a cell that `object` watches over (7.5).
-    fn may_enter(&self, cell: CellId, object: u32) -> bool {
+    pub(crate) fn may_enter(&self, cell: CellId, object: u32) -> bool {
         !self.object.kind.has(ObjectKind::PLAYER)
             || self.object.kind.has(ObjectKind::BYPASSES_RESTRICTIONS)
             || self.population.may_enter(self.object.body, cell, object)
     }
 
     /// The wall around a land cell that may not be entered (`world.md` Y2).
-    fn handle_move_restriction(&mut self, cell: CellId) {
+    pub(crate) fn handle_move_restriction(&mut self, cell: CellId) {
         let low = cell.low().wrapping_sub(1);
         let half = vestibule_world::constants::SQUARE_LENGTH / 2.0;
         let center = |k: u16| f32::from(2 * k + 1) * half;

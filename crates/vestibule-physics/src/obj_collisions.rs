@@ -59,13 +59,21 @@ impl<'w> Transition<'w, '_> {
     /// The objects that reach a cell, in the order they entered it (7.7).
     #[inline(always)]
     pub(crate) fn find_obj_collisions(&mut self, cell: CellId, block: &'w Landblock) -> TransitionState {
-        let shift = self.path.global_sphere[0].center - self.statics_calm.center;
-        let calm = self.statics_calm.cell == cell && shift.dot(shift) < self.statics_calm.reach;
-        let no_statics = calm || self.world.shadow_lists(block).is_empty_in(cell);
-        if no_statics && !self.population.has_bodies() {
+        if self.has_no_objects_near(cell, block) {
             return TransitionState::Ok;
         }
         self.find_any_obj_collisions(cell, block)
+    }
+
+    /// Whether there certainly is no object of the cell in reach.
+    #[inline(always)]
+    pub(crate) fn has_no_objects_near(&self, cell: CellId, block: &'w Landblock) -> bool {
+        if self.population.has_bodies() {
+            return false;
+        }
+        let shift = self.path.global_sphere[0].center - self.statics_calm.center;
+        let calm = self.statics_calm.cell == cell && shift.dot(shift) < self.statics_calm.reach;
+        calm || self.world.shadow_lists(block).is_empty_in(cell)
     }
 
     #[inline(never)]
@@ -232,7 +240,7 @@ impl<'w> Transition<'w, '_> {
                 radius: cylinder.radius * target.scale,
                 height: cylinder.height * target.scale,
             };
-            let ts = self.intersects_cylsphere(&global, target.cell, target.frame);
+            let ts = self.intersects_cylsphere(&global, target.frame);
             if ts != TransitionState::Ok {
                 return ts;
             }

@@ -12,16 +12,39 @@ fn edge_vector(edges: &[FaceEdge], i: usize) -> Vec3 {
     edges[next].start - edges[i].start
 }
 
+/// How a sphere overlaps a polygon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Overlap {
+    /// Not at all.
+    None,
+    /// Over an edge or a corner.
+    Rim,
+    /// Over the inside, with this distance of the centre from the plane.
+    Inside(f32),
+}
+
 /// Whether the sphere overlaps the polygon (6.5.1).
 #[inline]
 pub(crate) fn polygon_hits_sphere(face: &Face, edges: &[FaceEdge], sphere: &Sphere) -> bool {
+    overlap(face, edges, sphere) != Overlap::None
+}
+
+/// As [`polygon_hits_sphere`], saying how.
+#[inline]
+pub(crate) fn overlap(face: &Face, edges: &[FaceEdge], sphere: &Sphere) -> Overlap {
     let s = face.plane.dist(sphere.center);
     let rho = sphere.radius - EPSILON;
     if rho < s.abs() {
-        return false;
+        return Overlap::None;
     }
     let point = sphere.center - face.plane.normal * s;
-    is_inside(edges, point) || edges_reach(edges, point, rho * rho - s * s, false)
+    if is_inside(edges, point) {
+        Overlap::Inside(s.abs())
+    } else if edges_reach(edges, point, rho * rho - s * s, false) {
+        Overlap::Rim
+    } else {
+        Overlap::None
+    }
 }
 
 /// Whether a point of the plane is on the inner side of all edges.

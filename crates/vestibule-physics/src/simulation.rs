@@ -376,7 +376,7 @@ impl Simulation {
                 chunk.cells.get(cells).unwrap_or(&[]),
                 chunk.touched.get(touched).unwrap_or(&[]),
             );
-            found.swept.clone()
+            found.swept
         };
         self.scratch.events.clear();
         match swept {

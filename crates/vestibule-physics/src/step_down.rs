@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::constants::{DEFAULT_STEP_HEIGHT, FLOOR_Z, STEP_DOWN_ATTEMPTS, Z_FOR_LANDING};
 use crate::flags::ObjectState;
 use crate::polygon;
+use crate::sphere_path::CellRef;
 use crate::transition::{InsertType, Transition, TransitionState};
 
 impl Transition<'_, '_> {
@@ -48,10 +49,32 @@ impl Transition<'_, '_> {
         {
             return false;
         }
+        if self.is_placement_certain() {
+            self.build_cell_array(true);
+            return true;
+        }
         let pushed = core::mem::replace(&mut self.path.insert_type, InsertType::Placement);
         let ts = self.transitional_insert(1);
         self.path.insert_type = pushed;
         ts == TransitionState::Ok
+    }
+
+    /// Whether a placement insertion of the candidate certainly finds nothing: alone in open space, in contact.
+    #[inline(always)]
+    fn is_placement_certain(&self) -> bool {
+        let Some(CellRef::Env { cell, block }) = self.path.check_cell else {
+            return false;
+        };
+        let path = &self.path;
+        self.info.contact.valid
+            && !path.collide
+            && cell.id == path.check_pos.cell
+            && cell.restriction.is_none()
+            && cell.hints.open_is_hollow()
+            && cell.hints.certainly_clear(&path.global_sphere[0])
+            && (path.num_sphere < 2 || cell.hints.certainly_clear(&path.global_sphere[1]))
+            && self.is_calm()
+            && self.has_no_objects_near(cell.id, block)
     }
 
     /// Whether there is still ground under the candidate (5.9).

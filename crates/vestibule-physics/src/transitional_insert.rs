@@ -75,6 +75,7 @@ impl<'w> Transition<'w, '_> {
     }
 
     /// Tests the candidate against one cell, up to `n` times (5.2).
+    #[inline(always)]
     pub(crate) fn insert_into_cell(&mut self, cell: Option<CellRef<'w>>, n: u32) -> TransitionState {
         let Some(cell) = cell else {
             return TransitionState::Collided;
@@ -104,10 +105,14 @@ impl<'w> Transition<'w, '_> {
     }
 
     #[inline(never)]
-    fn check_any_other_cells(&mut self, own: Option<CellRef<'w>>) -> TransitionState {
-        let own = own.map(|cell| cell.id());
+    fn check_any_other_cells(&mut self, own_cell: Option<CellRef<'w>>) -> TransitionState {
+        let own = own_cell.map(|cell| cell.id());
         // A step up below may rebuild the array; the cell found here stays.
         let new_cell = self.build_cell_array(true);
+        if new_cell.is_some() && new_cell == own && self.is_calm() {
+            self.path.check_cell = own_cell;
+            return TransitionState::Ok;
+        }
         let mut i = 0;
         while let Some(entry) = self.cell_array.get(i) {
             i += 1;

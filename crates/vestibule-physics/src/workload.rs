@@ -40,7 +40,16 @@ struct Walker {
     position: Position,
     carried: Carried,
     heading: f32,
+    /// The unit vector of `heading`.
+    direction: (f32, f32),
     vz: f32,
+}
+
+impl Walker {
+    fn turn(&mut self, by: f32) {
+        self.heading += by;
+        self.direction = (libm::cosf(self.heading), libm::sinf(self.heading));
+    }
 }
 
 /// What a number of steps came to.
@@ -87,11 +96,16 @@ impl<'w> Workload<'w> {
         let mut draws = Draws(88_172_645_463_325_252);
         let walkers = bodies
             .iter()
-            .map(|body| Walker {
-                position: body.start,
-                carried: body.carried,
-                heading: (2.0 * core::f64::consts::PI * draws.next()) as f32,
-                vz: 0.0,
+            .map(|body| {
+                let mut walker = Walker {
+                    position: body.start,
+                    carried: body.carried,
+                    heading: 0.0,
+                    direction: (1.0, 0.0),
+                    vz: 0.0,
+                };
+                walker.turn((2.0 * core::f64::consts::PI * draws.next()) as f32);
+                walker
             })
             .collect();
         Workload {
@@ -135,14 +149,10 @@ impl<'w> Workload<'w> {
         let body = &self.bodies[index];
         let walker = &mut self.walkers[index];
         if self.draws.next() < 0.1 {
-            walker.heading += ((self.draws.next() - 0.5) * 3.0) as f32;
+            walker.turn(((self.draws.next() - 0.5) * 3.0) as f32);
         }
         let d = (0.1 + 0.2 * self.draws.next()) as f32;
-        let mut offset = Vec3::new(
-            libm::cosf(walker.heading) * d,
-            libm::sinf(walker.heading) * d,
-            0.0,
-        );
+        let mut offset = Vec3::new(walker.direction.0 * d, walker.direction.1 * d, 0.0);
         if walker.carried.contact.is_some() && walker.carried.on_walkable {
             walker.vz = 0.0;
         } else {
@@ -178,7 +188,7 @@ impl<'w> Workload<'w> {
             }
             if swept.collision_normal.is_some() {
                 self.totals.collided += 1;
-                walker.heading += (2.0 * self.draws.next()) as f32;
+                walker.turn((2.0 * self.draws.next()) as f32);
             }
         }
         let p = walker.position.origin();

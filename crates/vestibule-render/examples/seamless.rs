@@ -13,7 +13,7 @@ use std::time::Instant;
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use common::{Difference, Random, Rooms, Stage, camera, compare, compare_with_oracle};
+use common::{Difference, Random, Rooms, Stage, camera, compare, compare_with_oracle, mixed_camera};
 use vestibule_render::PixelKind;
 use vestibule_world::{BlockId, CellId, World};
 
@@ -24,7 +24,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let poses: usize = arguments.next().map_or(Ok(2000), |a| a.parse())?;
     let mut names: Vec<String> = arguments.collect();
     if names.is_empty() {
-        names = ["dungeon-1", "maze-1", "gallery-1", "hollow", "hollow-deep"].map(str::to_owned).into();
+        names = ["dungeon-1", "maze-1", "gallery-1", "hollow", "hollow-deep"]
+            .map(str::to_owned)
+            .into();
     }
     let mut out = std::io::stdout().lock();
     for name in names {
@@ -38,17 +40,28 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             Some(stage)
         } else {
             match name.split_once(':') {
-            Some((folder, block)) => {
-                let block = u16::from_str_radix(block.trim_start_matches("0x"), 16)?;
-                let world = World::open(vestibule_dat::DatSet::open(folder)?)?;
-                Some(Stage::new(world, BlockId(block)))
-            }
-            None => Stage::vectors(&name),
+                Some((folder, block)) => {
+                    let block = u16::from_str_radix(block.trim_start_matches("0x"), 16)?;
+                    let world = World::open(vestibule_dat::DatSet::open(folder)?)?;
+                    Some(Stage::new(world, BlockId(block)))
+                }
+                None => Stage::vectors(&name),
             }
         };
         let Some(mut stage) = stage else { continue };
-        let sealed = stage.world.block(stage.block).is_some_and(|b| b.buildings.is_empty());
-        let mine = |id: CellId| names.get(&id).is_some_and(|n| n.contains("mine"));
+        let sealed = stage
+            .world
+            .block(stage.block)
+            .is_some_and(|b| b.buildings.is_empty());
+        let inner: std::collections::BTreeSet<CellId> = names
+            .iter()
+            .filter(|(id, n)| {
+                // Cells that cannot see the outside: there no ground or shell stands among the rooms.
+                n.contains("mine") && stage.world.env_cell(**id).is_some_and(|c| !c.seen_outside)
+            })
+            .map(|(id, _)| *id)
+            .collect();
+        let mine = |id: CellId| inner.contains(&id);
         if sealed {
             let rooms = Rooms::new(&stage);
             against_everything(&mut stage, &rooms, &name, poses, &mut out)?;
@@ -109,7 +122,12 @@ fn against_everything(
 
 fn tell(id: Option<vestibule_render::PixelId>) -> String {
     id.map_or_else(String::new, |id| {
-        format!("{:?} {} #{}", id.kind(), id.cell().unwrap_or(CellId(0)), id.item())
+        format!(
+            "{:?} {} #{}",
+            id.kind(),
+            id.cell().unwrap_or(CellId(0)),
+            id.item()
+        )
     })
 }
 
@@ -125,32 +143,27 @@ fn against_rays(
     let mut total = Difference::default();
     let mut reported = 0;
     let started = Instant::now();
-    let outdoors = stage.world.block(stage.block).is_some_and(|b| !b.buildings.is_empty());
     for pose in 0..poses {
-        let (cell, eye) = if outdoors && random.below(2) == 0 {
-            outdoor_eye(stage, &mut random)
-        } else {
-            rooms.eye(stage, &mut random)
-        };
-        let mut forward = random.direction();
-        if !cell.is_indoor() {
-            // Towards the houses, mostly.
-            let block = stage.world.block(stage.block);
-            let buildings = block.map_or(&[][..], |b| &b.buildings);
-            if let Some(house) = buildings.get(random.below(buildings.len())) {
-                let gap = house.frame.origin + glam::Vec3::Z * 1.5 - eye;
-                forward = (gap.normalize_or_zero() + forward * 0.3).normalize_or_zero();
-            }
-        }
-        let camera = camera(cell, eye, forward, SIZE, 1.2);
+        let camera = mixed_camera(stage, &rooms, &mut random, SIZE);
         let picture = stage.ids(camera);
         let mut lines = Vec::new();
         let d = compare_with_oracle(&picture, &oracle, &camera, |x, y, shown, truth| {
-            lines.push(format!("    ({x},{y}) shows {}, rays {}", tell(Some(shown)), tell(Some(truth))));
+            lines.push(format!(
+                "    ({x},{y}) shows {}, rays {}",
+                tell(Some(shown)),
+                tell(Some(truth))
+            ));
         });
         if !lines.is_empty() && reported < 12 {
             reported += 1;
-            writeln!(out, "  pose {pose} {:?} {eye} {forward}: {} unexplained", cell, lines.len())?;
+            writeln!(
+                out,
+                "  pose {pose} {:?} {} {}: {} unexplained",
+                camera.cell(),
+                camera.eye(),
+                camera.forward(),
+                lines.len()
+            )?;
             for line in lines.iter().take(3) {
                 writeln!(out, "{line}")?;
             }
@@ -172,29 +185,4 @@ fn against_rays(
         total.clear_disputed,
         started.elapsed().as_secs_f32()
     )
-}
-
-fn outdoor_eye(stage: &Stage, random: &mut Random) -> (CellId, glam::Vec3) {
-    let block = stage.world.block(stage.block);
-    loop {
-        let buildings = block.map_or(&[][..], |b| &b.buildings);
-        let Some(house) = buildings.get(random.below(buildings.len())) else {
-            continue;
-        };
-        let reach = if random.below(2) == 0 { 14.0 } else { 60.0 };
-        let p = house.frame.origin
-            + glam::Vec3::new(random.between(-reach, reach), random.between(-reach, reach), 0.0);
-        let any = CellId::new(stage.block, 1);
-        let Some(ground) = stage.world.ground_at(any, p) else { continue };
-        if ground.cell.block() != stage.block {
-            continue;
-        }
-        let eye = glam::Vec3::new(p.x, p.y, ground.z + random.between(0.3, 6.0));
-        // Not inside a room or a shell's box.
-        let inside = block.is_some_and(|b| b.env_cells().any(|c| c.contains_point(eye)));
-        let near_wall = stage.clear_of_shells(eye);
-        if !inside && near_wall {
-            return (ground.cell, eye);
-        }
-    }
 }

@@ -122,7 +122,11 @@ impl LightLevels {
             sun: day.sun_color * bright,
             terrain: day.ambient_color * a,
             outdoors,
-            indoors: if sealed { Vec3::splat(SEALED_AMBIENT) } else { outdoors },
+            indoors: if sealed {
+                Vec3::splat(SEALED_AMBIENT)
+            } else {
+                outdoors
+            },
         }
     }
 
@@ -154,6 +158,21 @@ impl LightLevels {
 #[inline]
 pub(crate) fn clamp01(c: Vec3) -> Vec3 {
     c.clamp(Vec3::ZERO, Vec3::ONE)
+}
+
+/// Light above a half rolls off towards 1 instead of being cut there, so that bright rooms keep their shape.
+#[inline]
+pub(crate) fn soft(c: Vec3) -> Vec3 {
+    let channel = |v: f32| {
+        if v <= 0.5 {
+            if v > 0.0 { v } else { 0.0 }
+        } else {
+            // 0.5 + 0.5 (1 - 1 / (1 + x + x²)) with the same slope at a half.
+            let x = (v - 0.5) * 2.0;
+            1.0 - 0.5 / (1.0 + x + x * x * 0.5)
+        }
+    };
+    Vec3::new(channel(c.x), channel(c.y), channel(c.z))
 }
 
 /// The lamps of a cell and of its stab list, landblock frame.

@@ -94,6 +94,8 @@ pub(crate) struct Buffers {
     pub(crate) screen: Projection,
     pub(crate) color: Vec<[u8; 4]>,
     pub(crate) depth: Vec<f32>,
+    /// Nothing nearer than this is drawn; empty when there is no such limit.
+    pub(crate) limit: Vec<f32>,
     /// Empty unless ids are wanted.
     pub(crate) ids: Vec<PixelId>,
 }
@@ -105,6 +107,7 @@ impl Buffers {
             screen,
             color: vec![[0, 0, 0, 255]; if with_ids { 0 } else { n }],
             depth: vec![0.0; n],
+            limit: Vec::new(),
             ids: vec![PixelId::BACKGROUND; if with_ids { n } else { 0 }],
         }
     }
@@ -124,6 +127,7 @@ impl Buffers {
             screen,
             color: Vec::new(),
             depth: Vec::new(),
+            limit: Vec::new(),
             ids: Vec::new(),
         }
     }
@@ -142,7 +146,7 @@ impl Buffers {
         };
         let near = self.screen.near;
         let (inverse, width) = (setup.inverse, self.screen.width as usize);
-        let (depth, ids) = (&mut self.depth, &mut self.ids);
+        let (depth, ids, limit) = (&mut self.depth, &mut self.ids, &self.limit);
         setup.spans(confine, |row| {
             let start = row.y as usize * width;
             let base = inverse.b * f64::from(row.y) + inverse.c;
@@ -152,7 +156,7 @@ impl Buffers {
             };
             for (x, (d, slot)) in (row.first..row.end).zip(depths.iter_mut().zip(ids)) {
                 let here = (near * row.depth_factor(x) * (inverse.a * f64::from(x) + base)) as f32;
-                if here >= *d {
+                if here >= *d && !(here > limit_at(limit, start + x as usize)) {
                     *d = here;
                     *slot = id;
                 }
@@ -160,8 +164,34 @@ impl Buffers {
         });
     }
 
+    /// From here on nothing nearer than `points`, a polygon, is drawn over it.
+    pub(crate) fn limit_behind(&mut self, points: &[DVec3]) {
+        if self.limit.is_empty() {
+            // Where no polygon is: no limit, told by a number that no depth reaches.
+            self.limit = vec![0.0; self.depth.len()];
+        }
+        let real = core::mem::take(&mut self.depth);
+        self.depth = core::mem::take(&mut self.limit);
+        self.depth_polygon_if(points, None, |old, new| new > old);
+        self.limit = core::mem::replace(&mut self.depth, real);
+    }
+
+    /// Ends what [`Buffers::limit_behind`] began.
+    pub(crate) fn no_limit(&mut self) {
+        self.limit.clear();
+    }
+
     /// Writes depth only, test always: a punch with a constant, a seal with its own depth (`rendering.md` 7).
     pub(crate) fn depth_polygon(&mut self, points: &[DVec3], constant: Option<f32>) {
+        self.depth_polygon_if(points, constant, |_, _| true);
+    }
+
+    fn depth_polygon_if(
+        &mut self,
+        points: &[DVec3],
+        constant: Option<f32>,
+        wanted: impl Fn(f32, f32) -> bool,
+    ) {
         let [a, rest @ ..] = points else { return };
         let near = self.screen.near;
         for pair in rest.windows(2) {
@@ -174,7 +204,7 @@ impl Buffers {
                 for x in row.first..row.end {
                     let own = (near * setup.inverse.at(x, row.y)) as f32;
                     let d = constant.unwrap_or(if own < 1.0 { own } else { 1.0 });
-                    if let Some(slot) = self.depth.get_mut(start + x as usize) {
+                    if let Some(slot) = self.depth.get_mut(start + x as usize).filter(|s| wanted(**s, d)) {
                         *slot = d;
                     }
                 }
@@ -194,7 +224,7 @@ impl Buffers {
     ) {
         let near = self.screen.near;
         let width = self.screen.width as usize;
-        let (depth, color) = (&mut self.depth, &mut self.color);
+        let (depth, color, limit) = (&mut self.depth, &mut self.color, &self.limit);
         setup.spans(confine, |row| {
             let y = row.y;
             let start = y as usize * width;
@@ -205,7 +235,7 @@ impl Buffers {
             for (x, (d, pixel)) in (row.first..row.end).zip(depths.iter_mut().zip(colors)) {
                 let inverse = setup.inverse.at(x, y);
                 let here = (near * row.depth_factor(x) * inverse) as f32;
-                if how.test && !(here >= *d) {
+                if how.test && (!(here >= *d) || here > limit_at(limit, start + x as usize)) {
                     continue;
                 }
                 let Some((c, alpha)) = shade(x, y, 1.0 / inverse) else {
@@ -217,6 +247,15 @@ impl Buffers {
                 *pixel = blended(*pixel, c, alpha, how.blend);
             }
         });
+    }
+}
+
+/// The limit of a pixel; a little nearer than the polygon, whose own plane may be drawn.
+#[inline]
+fn limit_at(limit: &[f32], at: usize) -> f32 {
+    match limit.get(at) {
+        Some(&l) if l > 0.0 => l * (1.0 + 1.0e-4),
+        _ => f32::INFINITY,
     }
 }
 

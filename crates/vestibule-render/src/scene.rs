@@ -73,7 +73,8 @@ impl<'a> Scene<'a> {
 pub enum LightDetail {
     /// At the corners of polygons, as retail does (`rendering.md` 12.5, 12.6).
     PerVertex,
-    /// At every pixel, by the same formulas: lamps in the middle of a large wall show.
+    /// At every pixel, by the same formulas: lamps in the middle of a large wall show. Indoors bright light rolls off
+    /// softly instead of being cut at white.
     #[default]
     PerPixel,
 }
@@ -87,10 +88,14 @@ pub struct RenderSettings {
     pub fog: bool,
     /// Rooms that overlap others in the same list show only inside their own regions (`rendering.md` 9.5).
     pub confine_overlaps: bool,
-    /// The light that the viewer carries (`rendering.md` 12.7).
+    /// The light that the viewer carries (`rendering.md` 12.7). With light per pixel it is weaker in rooms that see
+    /// the outside.
     pub viewer_light: bool,
     /// How much lower than it is the ground is drawn, metres (`rendering.md` 6.6).
     pub terrain_offset: f32,
+    /// From a room, what lies before an exit is not drawn as landscape: a shell or a hillside that a tunnel runs through
+    /// does not stand in the tunnel. Retail draws it.
+    pub only_behind_exits: bool,
     /// Ground that faces away from the eye is not drawn (`rendering.md` 6.9).
     pub cull_terrain: bool,
 }
@@ -103,6 +108,7 @@ impl Default for RenderSettings {
             confine_overlaps: true,
             viewer_light: true,
             terrain_offset: crate::land::TERRAIN_OFFSET,
+            only_behind_exits: true,
             cull_terrain: true,
         }
     }

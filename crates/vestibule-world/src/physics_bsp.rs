@@ -377,14 +377,13 @@ impl PhysicsBsp {
         // An overlap must be deeper than epsilon; rounding is far below the rest.
         let r = radius - 0.75 * EPSILON;
         let BoundingBox { min, max } = &self.open;
-        let inside = (radius > LEAST_CLEAR_RADIUS)
-            & (center.x - r > min.x)
-            & (center.x + r < max.x)
-            & (center.y - r > min.y)
-            & (center.y + r < max.y)
-            & (center.z - r > min.z)
-            & (center.z + r < max.z);
-        inside
+        radius > LEAST_CLEAR_RADIUS
+            && center.x - r > min.x
+            && center.x + r < max.x
+            && center.y - r > min.y
+            && center.y + r < max.y
+            && center.z - r > min.z
+            && center.z + r < max.z
     }
 
     /// Whether some polygon whose plane is within `reach` of `center` passes `test`. With `only_up` polygons that
@@ -412,6 +411,20 @@ impl PhysicsBsp {
             }
         }
         Some(false)
+    }
+
+    /// Whether a point is certainly not in a leaf that is solid and has polygons.
+    #[inline]
+    pub fn is_certainly_hollow_at(&self, p: Vec3) -> bool {
+        let inset = LEAST_CLEAR_RADIUS - 0.01;
+        let BoundingBox { min, max } = &self.open;
+        self.open_is_hollow
+            && p.x - inset > min.x
+            && p.x + inset < max.x
+            && p.y - inset > min.y
+            && p.y + inset < max.y
+            && p.z - inset > min.z
+            && p.z + inset < max.z
     }
 
     /// The box of open space; inside out when there is none.

@@ -12,9 +12,9 @@
 //! use vestibule::world::{CellArray, Position, Sphere, find_cell_list};
 //!
 //! let world = vestibule::open_world(None)?;
-//! let feet: Position = "0xA9B4001C [84 78.5 40.105]".parse()?;
+//! let feet: Position = "0xA9B40031 [155.3717 16.0283 94.005]".parse()?;
 //! // A body is where the centre of its lower sphere is, seeded from the cell it was in before.
-//! let lower = Sphere::new(feet.origin() + glam::Vec3::new(0.0, 0.8, 0.475), 0.48);
+//! let lower = Sphere::new(feet.origin() + glam::Vec3::new(0.0, 0.0, 0.475), 0.48);
 //! let mut cells = CellArray::new();
 //! let found = find_cell_list(&world, feet.cell, feet.origin(), &[lower], &mut cells, true);
 //! assert_eq!(found.containing.map(|c| c.to_string()).as_deref(), Some("0xA9B40100"));

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 use vestibule_dat::{DatSet, RecordKind};
-use vestibule_world::{BlockId, CellId, PortalTarget, Position, World};
+use vestibule_world::{BlockId, CellId, EnvCell, PortalTarget, Position, World};
 
 use crate::route::{self, Opening, PortalId, Steer, Steering};
 use crate::walker::{Footing, TICK, Walker};
@@ -310,7 +310,7 @@ impl<'w, 'o> Tour<'w, 'o> {
             openings: self.openings_of(cell),
             way_in: None,
         }];
-        self.to_the_middle(cell);
+        self.walk_to_the_middle(cell);
         while self.summary.ended_early.is_none() {
             let Some(level) = levels.last_mut() else { break };
             let Some(opening) = level.openings.pop() else {
@@ -356,7 +356,7 @@ impl<'w, 'o> Tour<'w, 'o> {
             }
             match opening.to {
                 PortalTarget::Cell(other) if self.visited.insert(other) => {
-                    self.to_the_middle(other);
+                    self.walk_to_the_middle(other);
                     let way_in = Some((opening, before));
                     levels.push(Level {
                         openings: self.openings_of(other),
@@ -472,7 +472,7 @@ impl<'w, 'o> Tour<'w, 'o> {
     }
 
     /// Some steps into a cell, towards the middle of its floor, if nothing is in the way.
-    fn to_the_middle(&mut self, id: CellId) {
+    fn walk_to_the_middle(&mut self, id: CellId) {
         let world = self.walker.world();
         let Some(bounds) = world.env_cell(id).and_then(|cell| {
             let bounds = cell.structure.bounds?;
@@ -634,10 +634,11 @@ impl<'w, 'o> Tour<'w, 'o> {
         let mut open: Vec<CellId> = indoor.iter().copied().collect();
         while let Some(cell) = open.pop() {
             for opening in route::openings(world, cell) {
-                if let PortalTarget::Cell(other) = opening.to {
-                    if world.env_cell(other).is_some() && connected.insert(other) {
-                        open.push(other);
-                    }
+                if let PortalTarget::Cell(other) = opening.to
+                    && world.env_cell(other).is_some()
+                    && connected.insert(other)
+                {
+                    open.push(other);
                 }
             }
         }
@@ -772,35 +773,52 @@ fn is_inside_a_room(world: &World, place: &Position) -> bool {
     block.is_some_and(|block| block.env_cells().any(|cell| cell.contains_point(center)))
 }
 
-/// A place in the first env cell of a landblock that one can stand in.
+/// A place in an env cell of a landblock that one can stand in: in the first cell that one can walk out of, else in the
+/// first at all.
 fn inside(walker: &mut Walker<'_>, block: BlockId) -> Option<Footing> {
     let block = walker.world().block(block)?;
+    let mut first = None;
     for cell in block.env_cells().filter(|cell| !cell.portals.is_empty()) {
-        let Some(bounds) = cell.structure.bounds else {
+        let Some(footing) = within(walker, cell) else {
             continue;
         };
-        let bounds = bounds.mapped(|p| cell.frame.local_to_global(p));
-        let size = bounds.max - bounds.min;
-        for (u, v) in [
-            (0.5, 0.5),
-            (0.3, 0.3),
-            (0.7, 0.7),
-            (0.3, 0.7),
-            (0.7, 0.3),
-            (0.5, 0.2),
-            (0.2, 0.5),
-        ] {
-            // From a little above the floor upwards, for floors that are not level.
-            for up in [0.02, 0.5, 1.0, 2.0, 4.0] {
-                if up > size.z {
-                    break;
-                }
-                let at = bounds.min + Vec3::new(size.x * u, size.y * v, up);
-                if let Some(footing) = walker.put(&Position::new(cell.id, at)) {
-                    if footing.at.cell == cell.id {
-                        return Some(footing);
-                    }
-                }
+        let indoors = |opening: &Opening| opening.to != PortalTarget::Outside;
+        let ways = route::openings(walker.world(), cell.id);
+        if ways
+            .iter()
+            .filter(|o| indoors(o))
+            .any(|o| route::out_through(walker, &footing, o).is_some())
+        {
+            return Some(footing);
+        }
+        first = first.or(Some(footing));
+    }
+    first
+}
+
+/// A place in a cell that one can stand in.
+fn within(walker: &mut Walker<'_>, cell: &EnvCell) -> Option<Footing> {
+    let bounds = cell.structure.bounds?.mapped(|p| cell.frame.local_to_global(p));
+    let size = bounds.max - bounds.min;
+    for (u, v) in [
+        (0.5, 0.5),
+        (0.3, 0.3),
+        (0.7, 0.7),
+        (0.3, 0.7),
+        (0.7, 0.3),
+        (0.5, 0.2),
+        (0.2, 0.5),
+    ] {
+        // From a little above the floor upwards, for floors that are not level.
+        for up in [0.02, 0.5, 1.0, 2.0, 4.0] {
+            if up > size.z {
+                break;
+            }
+            let at = bounds.min + Vec3::new(size.x * u, size.y * v, up);
+            if let Some(footing) = walker.put(&Position::new(cell.id, at))
+                && footing.at.cell == cell.id
+            {
+                return Some(footing);
             }
         }
     }

@@ -12,14 +12,9 @@ use vestibule::world::World;
 /// Options of every subcommand.
 #[derive(clap::Args)]
 pub(crate) struct Global {
-    /// Folder with client_portal.dat and client_cell_1.dat [default: a small world that is built in]
-    #[arg(
-        long,
-        value_name = "DIR",
-        env = "VESTIBULE_DAT",
-        hide_env_values = true,
-        global = true
-    )]
+    /// Folder with client_portal.dat and client_cell_1.dat [default: VESTIBULE_DAT, else a small world that is built
+    /// in]
+    #[arg(long, value_name = "DIR", global = true)]
     dat: Option<PathBuf>,
     /// Print JSON for machines instead of text
     #[arg(long, global = true)]
@@ -38,7 +33,11 @@ pub(crate) struct Context {
 impl Context {
     pub(crate) fn new(global: Global) -> Self {
         // An empty variable means the same as none.
-        let dat = global.dat.filter(|dir| !dir.as_os_str().is_empty());
+        let from_environment = || std::env::var_os("VESTIBULE_DAT").map(PathBuf::from);
+        let dat = global
+            .dat
+            .or_else(from_environment)
+            .filter(|dir| !dir.as_os_str().is_empty());
         let out = BufWriter::new(anstream::AutoStream::auto(std::io::stdout()));
         Context {
             dat,

@@ -10,6 +10,7 @@ use vestibule_dat::record::{
 use vestibule_world::BlockId;
 
 use super::cells::{SiteCells, Target};
+use super::land::Land;
 use super::structure::{ModelParts, build_cell};
 use super::world::{Problem, Records};
 use crate::scene::{Kind, Placement, SiteDef};
@@ -26,6 +27,17 @@ pub(crate) struct PlacedSite<'a> {
     pub(crate) on_map: Placement,
     /// Low words of the cells' ids.
     pub(crate) ids: Vec<u16>,
+}
+
+/// What has been made before the sites.
+pub(crate) struct Made<'a> {
+    /// Ids of the models.
+    pub(crate) models: &'a [u32],
+    /// Ids of the materials' Surfaces.
+    pub(crate) surfaces: &'a [u32],
+    /// Metres that the materials cover.
+    pub(crate) sizes: &'a [f64],
+    pub(crate) land: &'a Land,
 }
 
 /// A placement as stored.
@@ -97,18 +109,16 @@ impl PlacedSite<'_> {
         records: &mut Records,
         structures: &mut Structures,
         info: &mut LandBlockInfo,
-        models: &[u32],
-        surfaces: &[u32],
-        sizes: &[f64],
+        made: &Made<'_>,
     ) -> Result<(), Problem> {
         let openings = self.openings();
         let mut environment = Environment {
             id: records.next_id(0x0D00_0001),
             cell_structs: Vec::new(),
         };
-        let mut statics = self.statics(models);
+        let mut statics = self.statics(made.models);
         for (k, cell) in self.cells.cells.iter().enumerate() {
-            let built = build_cell(cell, &self.def.rooms[cell.room], sizes)?;
+            let built = build_cell(cell, &self.def.rooms[cell.room], made.sizes)?;
             let (environment_id, cell_struct) = structures.place(&mut environment, built.structure)?;
             let seen = seen_from_cell(&openings, k);
             let portals = cell
@@ -139,7 +149,7 @@ impl PlacedSite<'_> {
                         EnvCell::HAS_STATICS
                     },
                 id_again: id,
-                surfaces: built.surfaces.iter().map(|m| surfaces[*m]).collect(),
+                surfaces: built.surfaces.iter().map(|m| made.surfaces[*m]).collect(),
                 environment: environment_id,
                 cell_struct,
                 frame: frame(cell.place.within(self.place)),
@@ -158,8 +168,7 @@ impl PlacedSite<'_> {
         }
         info.num_cells += self.cells.cells.len() as u32;
         if self.def.kind == Kind::Building && self.def.shell.is_some() {
-            info.buildings
-                .push(self.building(records, &openings, surfaces, sizes)?);
+            info.buildings.push(self.building(records, &openings, made)?);
         }
         Ok(())
     }
@@ -201,11 +210,14 @@ impl PlacedSite<'_> {
         &self,
         records: &mut Records,
         openings: &[Vec<Opening>],
-        surfaces: &[u32],
-        sizes: &[f64],
+        made: &Made<'_>,
     ) -> Result<Building, Problem> {
         let id = records.next_id(0x0100_0001);
-        let shell = ModelParts::of_shell(&self.cells).build(id, surfaces, sizes)?;
+        let shell = ModelParts::of_shell(&self.cells, |p| {
+            let on_map = self.on_map.to_outer(p);
+            made.land.ground(on_map.truncate()) - on_map.z + p.z
+        })
+        .build(id, made.surfaces, made.sizes)?;
         records.portal.insert(id, shell.record.encode()?);
         let portals = self.cells.shell_holes.iter().map(|hole| {
             let mut seen = seen_through(openings, &hole.polygon.flipped(), hole.cell);

@@ -8,8 +8,11 @@ use super::cells::{Cell, SiteCells, Target};
 use super::mesh::{Mesh, Painted, snapped};
 use super::room::{CUT, painted};
 use crate::bsp::{BspError, cell_bsp, drawing_bsp, inward_planes, physics_bsp};
-use crate::geometry::{Face, Polygon, Polytope, inside, uncovered, union_faces};
+use crate::geometry::{Face, Plane, Polygon, Polytope, inside, uncovered, union_faces};
 use crate::scene::{Fixture, RoomDef, SolidDef};
+
+/// How deep below the ground a shell's faces are not drawn any more, metres.
+const SUNK: f64 = 0.05;
 
 /// A cell structure and the materials its surface indices select from.
 pub(crate) struct BuiltCell {
@@ -188,27 +191,42 @@ impl ModelParts {
     }
 
     /// The shell of a building, cut by its openings; windows stay closed to bodies.
-    pub(crate) fn of_shell(site: &SiteCells) -> Self {
-        let holes = |panes: bool| site.shell_holes.iter().filter(move |h| panes || !h.pane);
-        let cut = |panes: bool| -> Vec<Painted> {
-            let mut out = Vec::new();
-            for face in &site.shell {
-                let mut parts = vec![face.polygon.clone()];
-                for hole in holes(panes).filter(|h| h.polygon.plane.same_as(&face.polygon.plane)) {
-                    parts = parts.iter().flat_map(|p| p.without(&hole.polygon)).collect();
-                }
-                let painted = |polygon| Painted {
-                    polygon,
-                    material: face.tag as usize,
-                };
-                out.extend(parts.into_iter().map(painted));
-            }
-            out
+    ///
+    /// `ground`: how high the ground is over a point of the site. What of the shell lies below it is collided with but
+    /// not drawn: nobody sees it from outside, and to an eye in a cellar it would stand before the exits.
+    pub(crate) fn of_shell(site: &SiteCells, ground: impl Fn(DVec3) -> f64) -> Self {
+        let cut = |face: &Face, panes: bool| {
+            let holes = site.shell_holes.iter().filter(|h| panes || !h.pane);
+            holes
+                .filter(|h| h.polygon.plane.same_as(&face.polygon.plane))
+                .fold(vec![face.polygon.clone()], |parts, hole| {
+                    parts.iter().flat_map(|p| p.without(&hole.polygon)).collect()
+                })
         };
+        let points = site.shell.iter().flat_map(|f| &f.polygon.points);
+        let lowest = points.map(|p| ground(*p)).fold(f64::INFINITY, f64::min);
+        let above = Plane::through(DVec3::Z, DVec3::Z * (lowest - SUNK));
+        let buried = |p: &Polygon| {
+            p.points
+                .iter()
+                .chain([&p.center()])
+                .all(|p| p.z < ground(*p) - SUNK)
+        };
+        let mut drawn = Vec::new();
+        for face in &site.shell {
+            let parts = cut(face, true)
+                .into_iter()
+                .filter_map(|p| p.clipped(&above))
+                .filter(|p| !buried(p));
+            drawn.extend(parts.map(|polygon| Painted {
+                polygon,
+                material: face.tag as usize,
+            }));
+        }
         ModelParts {
-            drawn: cut(true),
+            drawn,
             portals: site.shell_holes.iter().map(|h| h.polygon.clone()).collect(),
-            solid: Some(cut(false).into_iter().map(|p| p.polygon).collect()),
+            solid: Some(site.shell.iter().flat_map(|face| cut(face, false)).collect()),
         }
     }
 

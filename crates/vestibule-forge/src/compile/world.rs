@@ -12,7 +12,7 @@ use vestibule_world::{BlockId, CellId, Frame, MemoryRecords, Position, Store};
 use super::cells::SiteCells;
 use super::land::Land;
 use super::noise::hash01;
-use super::site::{PlacedSite, Structures, frame, land_frame};
+use super::site::{Made, PlacedSite, Structures, frame, land_frame};
 use super::validate;
 use crate::bsp::BspError;
 use crate::scene::{self, Kind, Placement, Scene};
@@ -314,9 +314,15 @@ impl Compiler<'_> {
         }
         let mut infos: BTreeMap<BlockId, LandBlockInfo> = BTreeMap::new();
         let mut structures = Structures::default();
+        let made = Made {
+            models: &models,
+            surfaces: &surfaces,
+            sizes: &sizes,
+            land: self.land,
+        };
         for site in self.sites {
             let info = infos.entry(site.block).or_default();
-            let added = site.add(&mut records, &mut structures, info, &models, &surfaces, &sizes);
+            let added = site.add(&mut records, &mut structures, info, &made);
             self.report(site.def.name.span, added);
             out.stats.statics += site.def.statics.len();
             for (cell, id) in site.cells.cells.iter().zip(&site.ids) {

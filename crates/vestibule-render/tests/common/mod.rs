@@ -5,7 +5,8 @@
 use glam::{Vec2, Vec3};
 use vestibule_dat::DatSet;
 use vestibule_render::{
-    Assets, Everything, IdImage, Oracle, PixelId, PixelKind, RenderSettings, Scene, render_everything_ids, render_ids,
+    Assets, Everything, IdImage, Oracle, PixelId, PixelKind, RenderSettings, Scene, render_everything_ids,
+    render_ids,
 };
 use vestibule_view::{Camera, FrameInput, FrameSettings, FrameView, Openings, WorldObjects};
 use vestibule_world::{BlockId, CellId, World};
@@ -45,7 +46,8 @@ impl Stage {
 
     /// A world of the test vectors; `None`, with a notice, where they are absent.
     pub fn vectors(name: &str) -> Option<Self> {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors/worlds/").to_owned() + name;
+        let folder =
+            concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors/worlds/").to_owned() + name;
         if !std::path::Path::new(&folder).is_dir() {
             use std::io::Write as _;
             let _ = writeln!(std::io::stderr(), "skipped: no test vectors at {folder}");
@@ -143,7 +145,26 @@ fn distance(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     let inside = [(a, b), (b, c), (c, a)]
         .iter()
         .all(|&(a, b)| n.dot((b - a).cross(p - a)) >= 0.0);
-    if inside { edges.min(n.dot(p - a).abs()) } else { edges }
+    if inside {
+        edges.min(n.dot(p - a).abs())
+    } else {
+        edges
+    }
+}
+
+/// Whether the nearest triangle that a ray meets turns its back to it.
+fn first_is_back(triangles: &[[Vec3; 3]], eye: Vec3, d: Vec3) -> bool {
+    let mut best = (f32::INFINITY, false);
+    for [a, b, c] in triangles {
+        let side = |p: Vec3, q: Vec3| d.dot((p - eye).cross(q - eye));
+        let (u, v, w) = (side(*a, *b), side(*b, *c), side(*c, *a));
+        let n = (*b - *a).cross(*c - *a);
+        let t = n.dot(*a - eye) / n.dot(d);
+        if (u <= 0.0 && v <= 0.0 && w <= 0.0 || u >= 0.0 && v >= 0.0 && w >= 0.0) && t > 0.0 && t < best.0 {
+            best = (t, n.dot(d) > 0.0);
+        }
+    }
+    best.1
 }
 
 /// The drawn triangles of a room and of the objects registered in it, landblock frame.
@@ -176,7 +197,9 @@ fn solid(stage: &Stage, id: CellId) -> Vec<[Vec3; 3]> {
 
 /// Makes eyes in the rooms of a landblock.
 pub struct Rooms {
+    /// Where eyes go.
     pub cells: Vec<CellId>,
+    all: Vec<CellId>,
     solids: Vec<Vec<[Vec3; 3]>>,
     /// A camera keeps its sphere clear of walls; here a little less will do.
     pub clearance: f32,
@@ -185,22 +208,35 @@ pub struct Rooms {
 impl Rooms {
     pub fn new(stage: &Stage) -> Self {
         let block = stage.world.block(stage.block).unwrap();
-        let cells: Vec<CellId> = block.env_cells().filter(|c| !c.portals.is_empty()).map(|c| c.id).collect();
+        let cells: Vec<CellId> = block
+            .env_cells()
+            .filter(|c| !c.portals.is_empty())
+            .map(|c| c.id)
+            .collect();
         let solids = cells.iter().map(|&id| solid(stage, id)).collect();
-        Rooms { cells, solids, clearance: 0.16 }
+        Rooms {
+            all: cells.clone(),
+            cells,
+            solids,
+            clearance: 0.16,
+        }
     }
 
     /// Only these rooms.
     pub fn only(stage: &Stage, keep: impl Fn(CellId) -> bool) -> Self {
         let mut rooms = Rooms::new(stage);
-        let (cells, solids) = rooms
-            .cells
-            .iter()
-            .zip(rooms.solids)
-            .filter(|(id, _)| keep(**id))
-            .unzip();
-        (rooms.cells, rooms.solids) = (cells, solids);
+        rooms.cells.retain(|&id| keep(id));
         rooms
+    }
+
+    /// Whether a point is this far from everything drawn in a room.
+    pub fn is_clear(&self, id: CellId, eye: Vec3, clearance: f32) -> bool {
+        let own = self
+            .all
+            .iter()
+            .position(|&c| c == id)
+            .map_or(&[][..], |k| &self.solids[k]);
+        own.iter().all(|t| distance(eye, *t) >= clearance)
     }
 
     /// An eye anywhere in a room, clear of walls and furniture of the room and of its neighbours; now and then right
@@ -219,7 +255,8 @@ impl Rooms {
                 let p: Vec3 = corners.iter().zip(&weights).map(|(c, w)| *c * *w).sum();
                 let inward = if portal.interior_is_negative { -1.0 } else { 1.0 };
                 let gap = [1.0e-4, 1.0e-3, 0.02, 0.09][random.below(4)];
-                cell.frame.local_to_global(p + portal.plane.normal * (inward * gap))
+                cell.frame
+                    .local_to_global(p + portal.plane.normal * (inward * gap))
             } else {
                 let bounds = cell.structure.bounds.unwrap();
                 let p = Vec3::new(
@@ -233,10 +270,27 @@ impl Rooms {
                 continue;
             }
             let clear = |id: CellId| {
-                self.cells.iter().position(|&c| c == id).is_none_or(|k| {
-                    self.solids[k].iter().all(|t| distance(eye, *t) >= self.clearance)
-                })
+                self.all
+                    .iter()
+                    .position(|&c| c == id)
+                    .is_none_or(|k| self.solids[k].iter().all(|t| distance(eye, *t) >= self.clearance))
             };
+            // Not inside a block that stands in the room: the first thing met shows its front.
+            let own = self
+                .all
+                .iter()
+                .position(|&c| c == id)
+                .map_or(&[][..], |k| &self.solids[k]);
+            if [
+                Vec3::new(0.3, 0.5, 0.8),
+                Vec3::new(-0.6, 0.2, 0.3),
+                Vec3::new(0.2, -0.7, -0.4),
+            ]
+            .iter()
+            .any(|&d| first_is_back(own, eye, d))
+            {
+                continue;
+            }
             let around = cell.portals.iter().filter_map(|p| match p.other {
                 vestibule_world::PortalTarget::Cell(other) => Some(other),
                 vestibule_world::PortalTarget::Outside => None,
@@ -330,6 +384,9 @@ pub fn compare_with_oracle(
                 out.at_edges += 1;
             } else if !uniform {
                 out.at_seams += 1;
+                if std::env::var_os("SEAMS").is_some() {
+                    report(x, y, shown, truth.id);
+                }
             } else {
                 report(x, y, shown, truth.id);
             }
@@ -345,7 +402,8 @@ impl Stage {
             return true;
         };
         block.buildings.iter().all(|building| {
-            let (Some(part), Some(frame)) = (building.shape.parts.first(), building.part_frames.first()) else {
+            let (Some(part), Some(frame)) = (building.shape.parts.first(), building.part_frames.first())
+            else {
                 return true;
             };
             let Some(model) = &part.model else { return true };
@@ -354,7 +412,8 @@ impl Stage {
             };
             let local = frame.global_to_local(eye);
             let b = model.bounds;
-            let in_box = local.cmpge(b.min - Vec3::splat(0.2)).all() && local.cmple(b.max + Vec3::splat(0.2)).all();
+            let in_box =
+                local.cmpge(b.min - Vec3::splat(0.2)).all() && local.cmple(b.max + Vec3::splat(0.2)).all();
             if !in_box {
                 return true;
             }
@@ -375,4 +434,48 @@ impl Stage {
             best.is_none_or(|(d, front)| front && d >= 0.16)
         })
     }
+}
+
+/// An eye outdoors near a building, in front of all shells.
+pub fn outdoor_eye(stage: &Stage, random: &mut Random) -> (CellId, Vec3) {
+    let block = stage.world.block(stage.block);
+    loop {
+        let buildings = block.map_or(&[][..], |b| &b.buildings);
+        let Some(house) = buildings.get(random.below(buildings.len())) else {
+            continue;
+        };
+        let reach = if random.below(2) == 0 { 14.0 } else { 60.0 };
+        let p =
+            house.frame.origin + Vec3::new(random.between(-reach, reach), random.between(-reach, reach), 0.0);
+        let Some(ground) = stage.world.ground_at(CellId::new(stage.block, 1), p) else {
+            continue;
+        };
+        if ground.cell.block() != stage.block {
+            continue;
+        }
+        let eye = Vec3::new(p.x, p.y, ground.z + random.between(0.3, 6.0));
+        let inside = block.is_some_and(|b| b.env_cells().any(|c| c.contains_point(eye)));
+        if !inside && stage.clear_of_shells(eye) {
+            return (ground.cell, eye);
+        }
+    }
+}
+
+/// A camera anywhere: in a room, or outdoors and mostly looking at a building.
+pub fn mixed_camera(stage: &Stage, rooms: &Rooms, random: &mut Random, size: (u32, u32)) -> Camera {
+    let block = stage.world.block(stage.block);
+    let buildings = block.map_or(&[][..], |b| &b.buildings);
+    let (cell, eye) = if !buildings.is_empty() && random.below(2) == 0 {
+        outdoor_eye(stage, random)
+    } else {
+        rooms.eye(stage, random)
+    };
+    let mut forward = random.direction();
+    if !cell.is_indoor()
+        && let Some(house) = buildings.get(random.below(buildings.len()))
+    {
+        let gap = house.frame.origin + Vec3::Z * 1.5 - eye;
+        forward = (gap.normalize_or_zero() + forward * 0.3).normalize_or_zero();
+    }
+    camera(cell, eye, forward, size, 1.2)
 }

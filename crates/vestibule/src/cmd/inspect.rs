@@ -43,7 +43,7 @@ Examples:
   vestibule inspect 0xA9B40100
   vestibule inspect A9B4FFFF
   vestibule inspect 0x0D000001 --all
-  vestibule inspect 0x01000010 --json
+  vestibule inspect 0x01000001 --json
   vestibule inspect 0xA9B40100 --hex
 
 The same number can name a record of the cell file and one of the portal file: --file picks.")]

@@ -21,7 +21,10 @@ pub(crate) fn parse_place(text: &str) -> Result<Place, String> {
         && !text.contains("0x")
         && text.contains(|c| "NSEWnsew".contains(c))
         && text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '.')
-        && !(text.len() == 8 && text.bytes().all(|b| b.is_ascii_hexdigit()));
+        && text
+            .split_whitespace()
+            .next()
+            .is_none_or(|word| word.parse::<vestibule::world::CellId>().is_err());
     if is_map {
         return text
             .parse::<MapCoordinates>()

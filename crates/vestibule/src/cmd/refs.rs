@@ -20,7 +20,7 @@ use crate::ui::{Align, Context, Progress, Table, count, style};
 Examples:
   vestibule refs 0xA9B40101
   vestibule refs 0x0D000001
-  vestibule refs 0x01000010 --json")]
+  vestibule refs 0x01000001 --json")]
 pub(crate) struct Args {
     /// Record id, eight hexadecimal digits
     #[arg(value_parser = parse_record_id)]

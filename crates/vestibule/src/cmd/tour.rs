@@ -24,7 +24,7 @@ use crate::ui::{Context, Failed, Progress, count, hinted, style};
 Examples:
   vestibule tour
   vestibule tour --dat ~/ac --start 42.1N,33.6E
-  vestibule tour --start \"0xA9B40101 [82 84 40.105]\" --out indoors
+  vestibule tour --start \"0xA9B40101 [155.4 14.2 94.005]\" --out indoors
   vestibule tour --json
 
 Writes trail.jsonl (one object a step: t, cell, pos) and map.svg to the folder of --out.

@@ -20,10 +20,9 @@ use crate::ui::{Context, hinted, style};
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  vestibule walk --from \"0xA9B40031 [155.5 24 94.1]\" --to \"0xA9B40101 [155 12 94.1]\"
+  vestibule walk --from \"0xA9B40031 [155.5 24 94.1]\" --to \"0xA9B40101 [155.4 14.2 94.1]\"
   vestibule walk --from \"0xA9B40031 [155.5 24 94.1]\" --script steps.txt -o trail.jsonl
-  echo 'turn 180
-walk 8' | vestibule walk --from \"0xA9B40031 [155.5 24 94.1]\" --script -
+  printf 'turn 180\\nwalk 8\\n' | vestibule walk --from \"0xA9B40031 [155.5 24 94.1]\" --script -
 
 The trail is JSON lines, one object a tick: t, cell, pos; `vestibule map --trail` draws it.")]
 pub(crate) struct Args {

@@ -14,9 +14,9 @@ use crate::ui::{Align, Context, Table, style};
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  vestibule where \"0xA9B4001C [84 78 40.7]\"
+  vestibule where \"0xA9B40031 [155.372 16.028 94.005]\"
   vestibule where 42.1N, 33.6E
-  vestibule where \"0xA9B40101 [82 84 40.105] 1 0 0 0\" --json")]
+  vestibule where \"0xA9B40101 [155.4 14.2 94.005] 1 0 0 0\" --json")]
 pub(crate) struct Args {
     /// Position \"0xCELL [x y z]\" or map coordinates 42.1N, 33.6E
     #[arg(required = true, num_args = 1.., allow_negative_numbers = true)]
@@ -83,13 +83,13 @@ fn print(location: &Location, context: &mut Context) -> anyhow::Result<()> {
             "{head}overlap{head:#}    the centre is in {}",
             location.env_cells_here.join(" and ")
         )?;
-    } else if let ([other], Some(cell)) = (location.env_cells_here.as_slice(), &location.containing) {
-        if *other != cell.cell {
-            writeln!(
-                out,
-                "{head}note{head:#}       {other} holds the centre too, but is not reached from there"
-            )?;
-        }
+    } else if let ([other], Some(cell)) = (location.env_cells_here.as_slice(), &location.containing)
+        && *other != cell.cell
+    {
+        writeln!(
+            out,
+            "{head}note{head:#}       {other} holds the centre too, but is not reached from there"
+        )?;
     }
     if let Some(ground) = &location.ground {
         let walkable = if ground.walkable {

@@ -18,7 +18,7 @@ use crate::ui::{Context, Progress, Usage};
 #[command(after_help = "\
 Examples:
   vestibule dat extract 0xA9B40100 -o cell.bin
-  vestibule dat extract 0x0D000001 | xxd | head
+  vestibule dat extract 0x0D000001 | od -A x -t x1z | head
   vestibule dat extract --all -o records
   vestibule dat extract --all --type EnvCell -o cells")]
 pub(crate) struct Args {

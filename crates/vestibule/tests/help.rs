@@ -1,0 +1,108 @@
+//! Every example that a help text shows runs.
+
+mod support;
+
+use std::collections::BTreeSet;
+
+use support::{REPOSITORY, Sandbox};
+
+/// All subcommands, as words.
+fn subcommands(sandbox: &Sandbox) -> Vec<Vec<String>> {
+    let mut out = vec![vec![]];
+    let mut i = 0;
+    while i < out.len() {
+        let mut args: Vec<&str> = out[i].iter().map(String::as_str).collect();
+        args.push("--help");
+        let help = sandbox.run(&args).ok().out;
+        if let Some(list) = help.split("Commands:\n").nth(1) {
+            for line in list.lines().take_while(|line| line.starts_with("  ")) {
+                // Names stand two spaces in; their texts may run over more lines.
+                let name = line.strip_prefix("  ").unwrap();
+                if !name.starts_with(' ') && !name.starts_with("help") {
+                    let mut words = out[i].clone();
+                    words.push(name.split_whitespace().next().unwrap().to_owned());
+                    out.push(words);
+                }
+            }
+        }
+        i += 1;
+    }
+    out
+}
+
+fn examples(help: &str) -> Vec<String> {
+    let Some(list) = help.split("Examples:\n").nth(1) else {
+        return Vec::new();
+    };
+    list.lines()
+        .take_while(|line| line.starts_with("  "))
+        .map(|line| line.trim().to_owned())
+        .collect()
+}
+
+#[test]
+fn every_subcommand_has_examples_and_they_run() {
+    let sandbox = Sandbox::new();
+    let vectors = support::vectors("help examples that need vectors");
+    if let Some(vectors) = &vectors {
+        std::os::unix::fs::symlink(vectors, sandbox.join("vectors")).unwrap();
+    }
+    std::fs::create_dir(sandbox.join("worlds")).unwrap();
+    let hollow = std::path::Path::new(REPOSITORY)
+        .join("worlds/hollow")
+        .canonicalize()
+        .unwrap();
+    std::os::unix::fs::symlink(hollow, sandbox.join("worlds/hollow")).unwrap();
+    for name in ["ac", "old", "new", "patched"] {
+        sandbox.build_world(name);
+    }
+    sandbox.write("steps.txt", "walk 2\nturn 90\n");
+    sandbox.write(
+        "doorway.log",
+        "| # | seed | x | y | z | picked |\n| 1 | 0031 | 155.3717 | 16.0283 | 94.0050 | 0100 |\n",
+    );
+    sandbox.write("room.scene", include_str!("room.scene"));
+    sandbox.run(&["tour", "--stand", "1"]).ok();
+    let mut ran = BTreeSet::new();
+    for words in subcommands(&sandbox) {
+        let mut args: Vec<&str> = words.iter().map(String::as_str).collect();
+        args.push("--help");
+        let help = sandbox.run(&args).ok().out;
+        let examples = examples(&help);
+        let is_group = help.contains("\nCommands:\n");
+        assert!(
+            is_group || examples.len() >= 2,
+            "{words:?} shows {} examples",
+            examples.len()
+        );
+        for example in examples {
+            let needs_vectors = example.contains("vectors");
+            if needs_vectors && vectors.is_none() || !ran.insert(example.clone()) {
+                continue;
+            }
+            // Long ones are cut short: it is the arguments that matter here.
+            let line = example
+                .replace("-n 1000000", "-n 1000")
+                .replace("--eyes 10000", "--eyes 50");
+            let result = sandbox.shell(&line);
+            assert_eq!(result.code, Some(0), "{example}\n{}\n{}", result.out, result.err);
+        }
+    }
+    assert!(ran.len() > 30, "{}", ran.len());
+}
+
+#[test]
+fn short_and_long_help_and_version() {
+    let sandbox = Sandbox::new();
+    let (short, long) = (
+        sandbox.run(&["tour", "-h"]).ok().out,
+        sandbox.run(&["tour", "--help"]).ok().out,
+    );
+    assert!(long.len() > short.len(), "--help says more than -h");
+    assert!(sandbox.run(&["--version"]).ok().out.starts_with("vestibule "));
+    sandbox.run(&[]).fails(2);
+    sandbox
+        .run(&["nonsense"])
+        .fails(2)
+        .says(&["unrecognized subcommand 'nonsense'"]);
+}
