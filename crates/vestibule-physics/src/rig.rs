@@ -18,6 +18,11 @@ pub(crate) const BLOCK: u16 = 0xA9B4;
 /// The land cell over (12, 12).
 pub(crate) const LAND: CellId = CellId(0xA9B4_0001);
 
+/// A vector.
+pub(crate) fn v(x: f32, y: f32, z: f32) -> Vec3 {
+    Vec3::new(x, y, z)
+}
+
 pub(crate) struct Rig {
     pub(crate) world: World,
     pub(crate) population: Population,
