@@ -62,6 +62,8 @@ mod env_collisions;
 mod error;
 mod find_collisions;
 pub mod flags;
+#[cfg(test)]
+mod invariants;
 pub mod locomotion;
 mod math;
 mod obj_collisions;
