@@ -310,7 +310,7 @@ impl<'w, 'o> Tour<'w, 'o> {
             openings: self.openings_of(cell),
             way_in: None,
         }];
-        self.to_the_middle(cell);
+        self.go_to_the_middle(cell);
         while self.summary.ended_early.is_none() {
             let Some(level) = levels.last_mut() else { break };
             let Some(opening) = level.openings.pop() else {
@@ -356,7 +356,7 @@ impl<'w, 'o> Tour<'w, 'o> {
             }
             match opening.to {
                 PortalTarget::Cell(other) if self.visited.insert(other) => {
-                    self.to_the_middle(other);
+                    self.go_to_the_middle(other);
                     let way_in = Some((opening, before));
                     levels.push(Level {
                         openings: self.openings_of(other),
@@ -472,7 +472,7 @@ impl<'w, 'o> Tour<'w, 'o> {
     }
 
     /// Some steps into a cell, towards the middle of its floor, if nothing is in the way.
-    fn to_the_middle(&mut self, id: CellId) {
+    fn go_to_the_middle(&mut self, id: CellId) {
         let world = self.walker.world();
         let Some(bounds) = world.env_cell(id).and_then(|cell| {
             let bounds = cell.structure.bounds?;
@@ -634,10 +634,11 @@ impl<'w, 'o> Tour<'w, 'o> {
         let mut open: Vec<CellId> = indoor.iter().copied().collect();
         while let Some(cell) = open.pop() {
             for opening in route::openings(world, cell) {
-                if let PortalTarget::Cell(other) = opening.to {
-                    if world.env_cell(other).is_some() && connected.insert(other) {
-                        open.push(other);
-                    }
+                if let PortalTarget::Cell(other) = opening.to
+                    && world.env_cell(other).is_some()
+                    && connected.insert(other)
+                {
+                    open.push(other);
                 }
             }
         }
@@ -814,10 +815,10 @@ fn within(walker: &mut Walker<'_>, cell: &EnvCell) -> Option<Footing> {
                 break;
             }
             let at = bounds.min + Vec3::new(size.x * u, size.y * v, up);
-            if let Some(footing) = walker.put(&Position::new(cell.id, at)) {
-                if footing.at.cell == cell.id {
-                    return Some(footing);
-                }
+            if let Some(footing) = walker.put(&Position::new(cell.id, at))
+                && footing.at.cell == cell.id
+            {
+                return Some(footing);
             }
         }
     }

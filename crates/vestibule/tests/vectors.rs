@@ -84,7 +84,7 @@ fn every_world_verifies_and_is_toured_without_a_change_while_standing() {
             n if n.starts_with("cottage-1") => 6,
             "cottage-2" => 11,
             n if n.starts_with("dungeon") => 20,
-            n if n == "maze-1" => 23,
+            "maze-1" => 23,
             n if n.starts_with("maze") => 1,
             _ => 8,
         };

@@ -48,15 +48,15 @@ fn parse_kind(text: &str) -> Result<RecordKind, String> {
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let dats = context.dats()?;
-    if let Some(file) = args.file {
-        if dats.file(file.kind()).is_none() {
-            return Err(Usage(format!(
-                "there is no {} file in {}",
-                file.kind(),
-                context.world_name()
-            ))
-            .into());
-        }
+    if let Some(file) = args.file
+        && dats.file(file.kind()).is_none()
+    {
+        return Err(Usage(format!(
+            "there is no {} file in {}",
+            file.kind(),
+            context.world_name()
+        ))
+        .into());
     }
     let list = args.kind.is_some() || args.block.is_some() || args.limit.is_some();
     let total: u64 = dats

@@ -83,13 +83,13 @@ fn print(location: &Location, context: &mut Context) -> anyhow::Result<()> {
             "{head}overlap{head:#}    the centre is in {}",
             location.env_cells_here.join(" and ")
         )?;
-    } else if let ([other], Some(cell)) = (location.env_cells_here.as_slice(), &location.containing) {
-        if *other != cell.cell {
-            writeln!(
-                out,
-                "{head}note{head:#}       {other} holds the centre too, but is not reached from there"
-            )?;
-        }
+    } else if let ([other], Some(cell)) = (location.env_cells_here.as_slice(), &location.containing)
+        && *other != cell.cell
+    {
+        writeln!(
+            out,
+            "{head}note{head:#}       {other} holds the centre too, but is not reached from there"
+        )?;
     }
     if let Some(ground) = &location.ground {
         let walkable = if ground.walkable {

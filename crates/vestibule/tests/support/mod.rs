@@ -9,12 +9,12 @@ use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
 /// Where the vectors are when they are there.
-pub const VECTORS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors");
+pub(crate) const VECTORS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors");
 /// The repository.
-pub const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+pub(crate) const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 /// The vectors, or a notice that they are not there.
-pub fn vectors(test: &str) -> Option<PathBuf> {
+pub(crate) fn vectors(test: &str) -> Option<PathBuf> {
     let path = PathBuf::from(VECTORS);
     if path.is_dir() {
         return path.canonicalize().ok();
@@ -25,13 +25,13 @@ pub fn vectors(test: &str) -> Option<PathBuf> {
 }
 
 /// A folder of its own to run the command in.
-pub struct Sandbox {
+pub(crate) struct Sandbox {
     dir: TempDir,
 }
 
 /// What a run printed.
 #[derive(Debug)]
-pub struct Ran {
+pub(crate) struct Ran {
     pub code: Option<i32>,
     pub out: String,
     pub err: String,
@@ -39,42 +39,42 @@ pub struct Ran {
 }
 
 impl Sandbox {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Sandbox {
             dir: tempfile::tempdir().expect("a temporary folder can be made"),
         }
     }
 
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         self.dir.path()
     }
 
-    pub fn join(&self, name: &str) -> PathBuf {
+    pub(crate) fn join(&self, name: &str) -> PathBuf {
         self.path().join(name)
     }
 
-    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+    pub(crate) fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
         let path = self.join(name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(&path, bytes).unwrap();
         path
     }
 
-    pub fn read(&self, name: &str) -> String {
+    pub(crate) fn read(&self, name: &str) -> String {
         std::fs::read_to_string(self.join(name)).unwrap()
     }
 
-    pub fn run(&self, args: &[&str]) -> Ran {
+    pub(crate) fn run(&self, args: &[&str]) -> Ran {
         self.run_with(args, "")
     }
 
-    pub fn run_with(&self, args: &[&str], input: &str) -> Ran {
+    pub(crate) fn run_with(&self, args: &[&str], input: &str) -> Ran {
         let mut command = Command::new(env!("CARGO_BIN_EXE_vestibule"));
         self.spawn(command.args(args), input)
     }
 
     /// A line of shell, with the command on the path.
-    pub fn shell(&self, line: &str) -> Ran {
+    pub(crate) fn shell(&self, line: &str) -> Ran {
         let bin = Path::new(env!("CARGO_BIN_EXE_vestibule"))
             .parent()
             .unwrap()
@@ -107,7 +107,7 @@ impl Sandbox {
     }
 
     /// Writes the embedded world to a folder.
-    pub fn build_world(&self, name: &str) -> PathBuf {
+    pub(crate) fn build_world(&self, name: &str) -> PathBuf {
         let scene = format!("{REPOSITORY}/worlds/hollow");
         self.run(&["build", &scene, "--out", name]).ok();
         self.join(name)
@@ -117,7 +117,7 @@ impl Sandbox {
 impl Ran {
     /// It succeeded, without a word on stderr.
     #[track_caller]
-    pub fn ok(self) -> Ran {
+    pub(crate) fn ok(self) -> Ran {
         assert_eq!(self.code, Some(0), "{}\n{}", self.out, self.err);
         assert_eq!(self.err, "", "a success should leave stderr alone");
         self
@@ -125,7 +125,7 @@ impl Ran {
 
     /// It failed with this exit code.
     #[track_caller]
-    pub fn fails(self, code: i32) -> Ran {
+    pub(crate) fn fails(self, code: i32) -> Ran {
         assert_eq!(self.code, Some(code), "{}\n{}", self.out, self.err);
         assert!(!self.err.contains("panicked"), "{}", self.err);
         self
@@ -133,7 +133,7 @@ impl Ran {
 
     /// What it said on stderr contains all of these.
     #[track_caller]
-    pub fn says(self, wanted: &[&str]) -> Ran {
+    pub(crate) fn says(self, wanted: &[&str]) -> Ran {
         for part in wanted {
             assert!(self.err.contains(part), "'{part}' is not in:\n{}", self.err);
         }
@@ -141,7 +141,7 @@ impl Ran {
     }
 
     #[track_caller]
-    pub fn shows(self, wanted: &[&str]) -> Ran {
+    pub(crate) fn shows(self, wanted: &[&str]) -> Ran {
         for part in wanted {
             assert!(self.out.contains(part), "'{part}' is not in:\n{}", self.out);
         }
@@ -149,7 +149,7 @@ impl Ran {
     }
 
     #[track_caller]
-    pub fn json(&self) -> serde_json::Value {
+    pub(crate) fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e} in:\n{}\n{}", self.out, self.err))
     }
 }
