@@ -52,6 +52,11 @@ pub fn direct(simulation: &mut Simulation, tick: u64) {
             1 => -1.0,
             _ => 0.0,
         };
-        body.set_motion(Motion { forward: 1.0, turn, run: draw % 3 != 0, ..Motion::default() });
+        body.set_motion(Motion {
+            forward: 1.0,
+            turn,
+            run: !draw.is_multiple_of(3),
+            ..Motion::default()
+        });
     });
 }

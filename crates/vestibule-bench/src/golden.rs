@@ -34,14 +34,17 @@ pub enum GoldenError {
 /// # Errors
 /// Never, unless this crate and the others do not belong together.
 pub fn scenario(threads: usize, ticks: u64) -> Result<u64, GoldenError> {
-    let (portal, cell, report) = SyntheticWorld::small(2_026).build_into(Vec::new(), Vec::new(), &mut |_| ())?;
+    let (portal, cell, report) =
+        SyntheticWorld::small(2_026).build_into(Vec::new(), Vec::new(), &mut |_| ())?;
     let world = World::open(DatSet::from_bytes(portal, cell)?)?;
     let mut places = Vec::new();
     for k in 0..BODIES {
         let dungeon = report.dungeons.get(k as usize % 3).map(|d| d.0);
         let place = match (k % 4, dungeon) {
             // Several in each room, so that they meet.
-            (0 | 1, Some(first)) => crowd::in_the_room(&world, vestibule_world::CellId(first.0 + (k as u32 % 11))),
+            (0 | 1, Some(first)) => {
+                crowd::in_the_room(&world, vestibule_world::CellId(first.0 + (k as u32 % 11)))
+            }
             (2, _) => {
                 let town = report.towns.get(k as usize % report.towns.len().max(1));
                 town.and_then(|&first| crowd::in_the_room(&world, first))

@@ -86,11 +86,19 @@ fn a_step_is_one_body_after_the_other() {
         simulation.step(&world, 0.05);
         for (key, &id) in (0u64..).zip(&ids) {
             let motion = simulation.body(key).and_then(|b| b.locomotion).map(|l| l.motion);
-            population.body_mut(id).expect("a body").set_motion(motion.expect("legs"));
-            population.update(&world, &mut scratch, id, simulation.now()).expect("a step");
+            population
+                .body_mut(id)
+                .expect("a body")
+                .set_motion(motion.expect("legs"));
+            population
+                .update(&world, &mut scratch, id, simulation.now())
+                .expect("a step");
         }
         for (key, &id) in (0u64..).zip(&ids) {
-            let (a, b) = (simulation.body(key).expect("a body"), population.body(id).expect("a body"));
+            let (a, b) = (
+                simulation.body(key).expect("a body"),
+                population.body(id).expect("a body"),
+            );
             assert_eq!(a.position(), b.position(), "body {key} after tick {tick}");
             assert_eq!(a.cell(), b.cell());
         }

@@ -18,7 +18,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{dungeons} dungeons, the largest {first:?}; {towns} landblocks with buildings");
     println!(
         "{:?}",
-        vestibule_forge::synthetic::SyntheticReport { dungeons: Vec::new(), towns: Vec::new(), ..report }
+        vestibule_forge::synthetic::SyntheticReport {
+            dungeons: Vec::new(),
+            towns: Vec::new(),
+            ..report
+        }
     );
     Ok(())
 }

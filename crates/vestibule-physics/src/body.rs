@@ -488,7 +488,7 @@ fn touching_slide(body: &Body) -> Option<Vec3> {
 
 /// Friction of a sled from the square of its speed and the slope (`transition.md` 9.4).
 fn sled_friction(s: f32, slope_z: f32, friction: f32) -> f32 {
-    const COS_10_DEGREES: f32 = 0.984_807_75;
+    const COS_10_DEGREES: f32 = 0.984_807_7;
     if s < 1.5625 {
         1.0
     } else if s < 6.25 || slope_z >= COS_10_DEGREES {
@@ -620,7 +620,7 @@ mod tests {
     /// Apex and number of quanta until the start height is reached again.
     fn jump_from(forward: f32) -> (f32, u32) {
         let mut body = falling();
-        body.velocity = Vec3::new(0.0, forward, 4.427_188_7);
+        body.velocity = Vec3::new(0.0, forward, 4.427_189);
         let (mut z, mut apex, mut quanta) = (0.0f32, 0.0f32, 0);
         while z > 0.0 || quanta == 0 {
             z += step(&mut body, 1.0 / 30.0).z;

@@ -42,14 +42,6 @@ pub(crate) struct CollisionInfo {
 }
 
 impl CollisionInfo {
-    /// Does not touch the cell of the plane: callers do (2.3.2).
-    #[inline]
-    pub(crate) fn set_contact_plane(&mut self, plane: Plane, is_water: bool) {
-        self.contact.valid = true;
-        self.contact.is_water = is_water;
-        self.contact.plane = plane;
-    }
-
     /// Contact plane and its cell at once.
     #[inline]
     pub(crate) fn set_contact(&mut self, plane: Plane, is_water: bool, cell: CellId) {

@@ -5,7 +5,7 @@ pub use vestibule_world::constants::{EPSILON, FLOOR_Z};
 /// Least normal z to land on when not on walkable ground: cos 85°.
 pub const Z_FOR_LANDING: f32 = 0.087_155_7;
 /// Step height of a mover that is not on walkable ground, metres.
-pub const DEFAULT_STEP_HEIGHT: f32 = 0.039_999_999;
+pub const DEFAULT_STEP_HEIGHT: f32 = 0.04;
 /// Step up and step down of a body without setup data, metres.
 pub const STEP_HEIGHT_WITHOUT_SETUP: f32 = 0.01;
 /// Acceleration of a body under gravity on z, m/s².
@@ -51,9 +51,10 @@ pub const TINY_PLACEMENT_RADIUS: f32 = 0.125;
 /// Foot radius that a placement search assumes at least for others, metres.
 pub const MIN_PLACEMENT_RADIUS: f32 = 0.48;
 /// Retail's pi in the placement search (`transition.md` 3.6).
-pub const PLACEMENT_PI: f32 = 3.141_599_9;
+#[allow(clippy::approx_constant, reason = "retail's own value is 3.1415999")]
+pub const PLACEMENT_PI: f32 = 3.1416;
 /// How far a placement without sliding may be pushed on x and y, metres (`transition.md` 9.7).
-pub const PLACEMENT_ACCEPTANCE: f32 = 0.050_000_001;
+pub const PLACEMENT_ACCEPTANCE: f32 = 0.05;
 /// Bodies farther than this from the player are not integrated, metres (`transition.md` 9.8).
 pub const INACTIVITY_DISTANCE: f32 = 96.0;
 /// Nested insertions deeper than this answer "collided"; valid data never comes near.

@@ -1,7 +1,7 @@
 //! Objects made of upright cylinders (`transition.md` 8.4).
 
 use glam::Vec3;
-use vestibule_world::{CellId, CylSphere, Frame, Plane};
+use vestibule_world::{CylSphere, Frame, Plane};
 
 use crate::constants::{EPSILON, SHAPE_INTERP_LIMIT};
 use crate::flags::ObjectState;
@@ -43,14 +43,9 @@ impl Cylinder {
 }
 
 impl Transition<'_, '_> {
-    /// A cylinder of an object, its low point in the frame of the candidate's landblock. `cell` and `frame` are
-    /// the object's own.
-    pub(crate) fn intersects_cylsphere(
-        &mut self,
-        target: &CylSphere,
-        cell: CellId,
-        frame: &Frame,
-    ) -> TransitionState {
+    /// A cylinder of an object, its low point in the frame of the candidate's landblock. `frame` is the
+    /// object's own.
+    pub(crate) fn intersects_cylsphere(&mut self, target: &CylSphere, frame: &Frame) -> TransitionState {
         let path = &self.path;
         let [foot_sphere, head_sphere] = path.global_sphere;
         let cylinder = Cylinder {
@@ -83,7 +78,7 @@ impl Transition<'_, '_> {
         }
         if self.object.is(ObjectState::CONTACT | ObjectState::ON_WALKABLE) {
             return if foot {
-                self.step_up_cylinder(&cylinder, disp[0], cell, frame)
+                self.step_up_cylinder(&cylinder, disp[0], frame)
             } else {
                 self.slide_along_cylinder(&cylinder, 1, disp[1])
             };
@@ -108,14 +103,7 @@ impl Transition<'_, '_> {
     }
 
     /// 8.4.5.
-    fn step_up_cylinder(
-        &mut self,
-        cylinder: &Cylinder,
-        disp: Vec3,
-        cell: CellId,
-        frame: &Frame,
-    ) -> TransitionState {
-        let _ = cell;
+    fn step_up_cylinder(&mut self, cylinder: &Cylinder, disp: Vec3, frame: &Frame) -> TransitionState {
         if self.object.step_up_height < self.path.global_sphere[0].radius + cylinder.height - disp.z {
             return self.slide_along_cylinder(cylinder, 0, disp);
         }
@@ -248,7 +236,7 @@ impl Transition<'_, '_> {
             let t = side_time();
             (t, side_normal(t))
         };
-        if t < 0.0 || t > 1.0 {
+        if !(0.0..=1.0).contains(&t) {
             return TransitionState::Collided;
         }
         let offset = curr + m * t - sphere.center;

@@ -45,10 +45,10 @@ impl<'w> Transition<'w, '_> {
 
     #[inline(always)]
     fn find_env_cell_collisions(&mut self, cell: &'w EnvCell) -> TransitionState {
-        if let Some(object) = cell.restriction {
-            if !self.may_enter(cell.id, object) {
-                return TransitionState::Collided;
-            }
+        if let Some(object) = cell.restriction
+            && !self.may_enter(cell.id, object)
+        {
+            return TransitionState::Collided;
         }
         self.path.obstruction_ethereal = false;
         if self.is_in_open_space(cell) {
@@ -125,11 +125,11 @@ impl<'w> Transition<'w, '_> {
         cell: &LandCell,
         block: &Landblock,
     ) -> TransitionState {
-        if let Some(object) = cell.restriction {
-            if !self.may_enter(id, object) {
-                self.handle_move_restriction(id);
-                return TransitionState::Collided;
-            }
+        if let Some(object) = cell.restriction
+            && !self.may_enter(id, object)
+        {
+            self.handle_move_restriction(id);
+            return TransitionState::Collided;
         }
         let offset = self.blk(self.path.check_pos.cell, id);
         let low = self.path.global_low_point - offset;
@@ -235,14 +235,14 @@ impl<'w> Transition<'w, '_> {
     }
 
     /// Whether the mover may be in a cell that `object` watches over (7.5).
-    fn may_enter(&self, cell: CellId, object: u32) -> bool {
+    pub(crate) fn may_enter(&self, cell: CellId, object: u32) -> bool {
         !self.object.kind.has(ObjectKind::PLAYER)
             || self.object.kind.has(ObjectKind::BYPASSES_RESTRICTIONS)
             || self.population.may_enter(self.object.body, cell, object)
     }
 
     /// The wall around a land cell that may not be entered (`world.md` Y2).
-    fn handle_move_restriction(&mut self, cell: CellId) {
+    pub(crate) fn handle_move_restriction(&mut self, cell: CellId) {
         let low = cell.low().wrapping_sub(1);
         let half = vestibule_world::constants::SQUARE_LENGTH / 2.0;
         let center = |k: u16| f32::from(2 * k + 1) * half;

@@ -29,6 +29,12 @@ pub enum SweepError {
         /// [`crate::Settings::max_steps`].
         limit: u32,
     },
+    /// A saved body's shape cannot be had.
+    #[error("no shape record 0x{id:08X} for a saved body")]
+    NoShape {
+        /// Record id.
+        id: u32,
+    },
     /// There is no such body.
     #[error("no body with this id")]
     NoSuchBody,

@@ -1,6 +1,55 @@
-//! The collision sweep of Asheron's Call: bodies that move, collide and own their cell.
+//! The collision sweep of Asheron's Call: bodies that move, collide and own their cell, as in the retail client.
+//!
+//! A body's cell is whatever its last accepted sweep carried it into; it is never derived from where the body
+//! rests. That is what keeps a body in a doorway from flickering between two cells.
+//!
+//! * [`sweep`] moves a [`Mover`] from one position to another and returns a value, [`Swept`]; [`place`] puts one
+//!   somewhere without coming from anywhere. They read a [`World`](vestibule_world::World) and a [`Population`] and
+//!   write nothing but [`Scratch`].
+//! * [`Population`] holds bodies and the lists of who is in which cell. [`Population::move_to`] sweeps and commits,
+//!   [`Population::update`] moves a body on in time by its own [`Motion`], velocity and gravity,
+//!   [`Population::set_position`] teleports, [`Population::set_ethereal`] opens doors, [`Population::save`] keeps
+//!   everything.
+//! * [`sweep_viewer`] is the camera's own sweep: what is seen starts from the cell it ends in.
+//! * [`Settings`] switches retail's quirks off one by one; the default is retail.
+//! * [`workload`] is a fixed amount of walking, for benchmarks.
+//!
+//! Units are metres, seconds and radians. Positions are relative to the south-west corner of the landblock named in
+//! their cell id; normals are global. All arithmetic is f32 in the order of the specification, the same on every
+//! platform; times are f64. After the first few calls a sweep allocates nothing.
+//!
+//! A player that walks north through the world for a second:
+//!
+//! ```no_run
+//! use vestibule_physics::{Body, Motion, Placement, Population, Scratch};
+//! # fn demo(world: &vestibule_world::World) -> Result<(), Box<dyn std::error::Error>> {
+//! let mut population = Population::new();
+//! let mut scratch = Scratch::new();
+//! let player = population.add(Body::player());
+//! let start = "0xA9B40031 [155.4 20.0 94.0]".parse()?;
+//! population.set_position(world, &mut scratch, player, &Placement::at(start))?.ok();
+//! if let Some(body) = population.body_mut(player) {
+//!     body.set_motion(Motion { forward: 1.0, ..Motion::default() });
+//! }
+//! for frame in 1..=30 {
+//!     population.update(world, &mut scratch, player, f64::from(frame) / 30.0 + 0.001)?;
+//! }
+//! println!("{:?}", population.body(player).map(|body| body.position().to_string()));
+//! # Ok(()) }
+//! ```
+//!
+//! The behaviour is that of `transition.md`; rules are quoted by their section numbers there.
+//!
+//! Features: `serde` (de)serialises what [`Population::save`] and [`Body::save`] return.
 
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::excessive_precision,
+        reason = "examples are quoted with all their digits"
+    )
+)]
 
 mod adjust_offset;
 mod body;
@@ -20,6 +69,9 @@ mod object_info;
 mod placement;
 mod polygon;
 mod population;
+#[cfg(test)]
+mod rig;
+pub mod save;
 mod set_position;
 mod settings;
 mod simulation;
@@ -33,6 +85,8 @@ mod transitional_insert;
 mod update;
 mod validate_transition;
 mod viewer;
+#[cfg(test)]
+mod worked_examples;
 pub mod workload;
 
 pub use body::{Body, root_motion};
@@ -48,4 +102,4 @@ pub use settings::Settings;
 pub use simulation::{BodyKey, Simulation, StepReport};
 pub use sweep::{Carried, ContactPlane, Mover, Scratch, Swept, Touch, place, sweep};
 pub use update::Quanta;
-pub use viewer::{Viewer, sweep_viewer, viewer_mover};
+pub use viewer::{Viewer, ViewerSubject, sweep_viewer, viewer_mover};

@@ -240,7 +240,7 @@ impl<'w> Transition<'w, '_> {
                 radius: cylinder.radius * target.scale,
                 height: cylinder.height * target.scale,
             };
-            let ts = self.intersects_cylsphere(&global, target.cell, target.frame);
+            let ts = self.intersects_cylsphere(&global, target.frame);
             if ts != TransitionState::Ok {
                 return ts;
             }

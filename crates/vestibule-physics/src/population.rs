@@ -384,7 +384,7 @@ impl Population {
         } else if !scratch.cell_array.is_empty() {
             self.set_shadows(id, &scratch.cell_array);
         }
-        self.move_children(id, scratch);
+        self.move_children(id);
         reported
     }
 
@@ -575,11 +575,11 @@ impl Population {
             // Retail takes the body off every list and adds it again, so it moves to the end.
             for i in 0..array.len() {
                 let Some(entry) = array.get(i) else { continue };
-                if let Some(lists) = self.cells.get_mut(&entry.id) {
-                    if lists.shadows.last() != Some(&id) {
-                        lists.shadows.retain(|&other| other != id);
-                        lists.shadows.push(id);
-                    }
+                if let Some(lists) = self.cells.get_mut(&entry.id)
+                    && lists.shadows.last() != Some(&id)
+                {
+                    lists.shadows.retain(|&other| other != id);
+                    lists.shadows.push(id);
                 }
             }
             return;
@@ -646,7 +646,7 @@ impl Population {
             body.set_frame(at.frame);
         }
         self.calc_cross_cells(world, id, scratch);
-        self.move_children(id, scratch);
+        self.move_children(id);
         true
     }
 
@@ -669,7 +669,7 @@ impl Population {
         let cell = self.body(parent).and_then(|b| b.cell);
         let mut scratch = Scratch::default();
         self.change_cell(child, cell, &mut scratch);
-        self.move_children(parent, &mut scratch);
+        self.move_children(parent);
         true
     }
 
@@ -683,7 +683,7 @@ impl Population {
         }
     }
 
-    pub(crate) fn move_children(&mut self, id: BodyId, scratch: &mut Scratch) {
+    pub(crate) fn move_children(&mut self, id: BodyId) {
         let Some(body) = self.body(id) else { return };
         let (position, count) = (body.position, body.children.len());
         for i in 0..count {
@@ -695,7 +695,7 @@ impl Population {
                 let frame = position.frame.combine(&body.attached);
                 body.set_frame(frame);
             }
-            self.move_children(child, scratch);
+            self.move_children(child);
         }
     }
 

@@ -1,15 +1,17 @@
 //! Many bodies at once: a [`Population`] stepped on several threads, with one outcome whatever their number.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
+use std::hash::BuildHasherDefault;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use glam::Vec3;
-use vestibule_world::{CellEntry, LandCoord, Position, World};
+use vestibule_world::constants::SQUARE_LENGTH;
+use vestibule_world::{CellEntry, CellId, LandCoord, Position, World};
 
 use crate::body::Body;
 use crate::error::SweepError;
-use crate::population::{BodyId, Event, Population};
+use crate::population::{BodyId, CellHasher, Event, Population};
 use crate::set_position::Placement;
 use crate::sweep::{Scratch, Swept, Touch};
 use crate::update::Motive;
@@ -20,9 +22,9 @@ pub type BodyKey = u64;
 /// Sweeps that one thread takes on at a time.
 const CHUNK: usize = 64;
 /// Side of the squares in which moved bodies are remembered, metres.
-const SQUARE: f32 = 8.0;
-/// Beyond the spheres of two bodies a sweep may reach this far aside of its path: what it slides, metres.
-const SLACK: f32 = 1.0;
+const SQUARE: f32 = 4.0;
+/// What a sweep may feel beyond its spheres, metres: a step aside from ledges, and rounding.
+const SLACK: f32 = 0.6;
 
 /// Bodies that move on together.
 ///
@@ -56,7 +58,7 @@ pub struct Simulation {
     events: Vec<Event>,
     problems: Vec<(BodyKey, SweepError)>,
     moved: MovedBodies,
-    reach: f32,
+    reach: Reach,
 }
 
 /// What a step came to.
@@ -265,7 +267,7 @@ impl Simulation {
         }
         for (key, (body, placement)) in core::mem::take(&mut self.arriving) {
             self.take_out(key);
-            self.reach = larger(self.reach, reach_of(&body));
+            self.reach.widen(&body);
             let id = self.population.add(body);
             if let Some(body) = self.population.body_mut(id) {
                 body.update_time = self.now;
@@ -359,8 +361,12 @@ impl Simulation {
         let Motive::Sweep { from, to, q } = m.motive else {
             return false;
         };
-        let near = self.reach * 2.0 + SLACK;
-        let again = self.moved.any_near(&from, &to, near);
+        // A sweep ends no farther from its start than it was asked to go, but for steps up and down.
+        let asked = from.offset_to(&to);
+        let asked = libm::sqrtf(asked.dot(asked));
+        let across = asked + 2.0 * self.reach.across + SLACK;
+        let along = asked + 2.0 * self.reach.along + SLACK + self.reach.step;
+        let again = self.moved.any_near(&from, across, along);
         let swept = if again {
             self.population.sweep(world, &mut self.scratch, m.id, &to)
         } else {
@@ -370,7 +376,7 @@ impl Simulation {
                 chunk.cells.get(cells).unwrap_or(&[]),
                 chunk.touched.get(touched).unwrap_or(&[]),
             );
-            found.swept.clone()
+            found.swept
         };
         self.scratch.events.clear();
         match swept {
@@ -390,26 +396,42 @@ impl Simulation {
     }
 }
 
-/// How far a body's spheres, cylinders and parts reach from its origin, metres.
-fn reach_of(body: &Body) -> f32 {
-    let shape = body.shape();
-    let from = |center: Vec3, radius: f32| libm::sqrtf(center.dot(center)) + radius;
-    let mut reach = from(shape.sorting_sphere.center, shape.sorting_sphere.radius);
-    for sphere in &shape.spheres {
-        reach = larger(reach, from(sphere.center, sphere.radius));
-    }
-    for cylinder in &shape.cylspheres {
-        reach = larger(reach, from(cylinder.low_point, cylinder.radius + cylinder.height));
-    }
-    for part in &shape.parts {
-        if let Some(sphere) = part.model.as_ref().and_then(|model| model.physics_sphere) {
-            reach = larger(
-                reach,
-                from(part.frame.local_to_global(sphere.center), sphere.radius),
-            );
+/// How far the largest bodies reach from their origins, metres.
+#[derive(Clone, Copy, Debug, Default)]
+struct Reach {
+    across: f32,
+    along: f32,
+    /// How far they step up or down.
+    step: f32,
+}
+
+impl Reach {
+    fn widen(&mut self, body: &Body) {
+        let (shape, scale) = (body.shape(), body.scale());
+        let mut add = |center: Vec3, radius: f32, height: f32| {
+            let across = libm::sqrtf(center.x * center.x + center.y * center.y) + radius;
+            self.across = larger(self.across, across * scale);
+            self.along = larger(self.along, (center.z.abs() + radius + height) * scale);
+        };
+        let sorting = shape.sorting_sphere;
+        add(sorting.center, sorting.radius, 0.0);
+        for sphere in &shape.spheres {
+            add(sphere.center, sphere.radius, 0.0);
         }
+        for cylinder in &shape.cylspheres {
+            add(cylinder.low_point, cylinder.radius, cylinder.height);
+        }
+        for part in &shape.parts {
+            if let Some(sphere) = part.model.as_ref().and_then(|model| model.physics_sphere) {
+                // Parts may be turned by their body's frame.
+                let center = part.frame.local_to_global(sphere.center);
+                let far = libm::sqrtf(center.dot(center)) + sphere.radius;
+                add(Vec3::ZERO, far * larger(1.0, part.scale.abs().max_element()), 0.0);
+            }
+        }
+        let step = larger(shape.step_up_height, shape.step_down_height);
+        self.step = larger(self.step, step * scale);
     }
-    reach * body.scale()
 }
 
 fn larger(a: f32, b: f32) -> f32 {
@@ -419,39 +441,60 @@ fn larger(a: f32, b: f32) -> f32 {
 /// Where bodies have moved in this step, by squares of the map.
 #[derive(Debug, Default)]
 struct MovedBodies {
-    squares: std::collections::HashSet<(i32, i32)>,
+    /// For each square the places in it that bodies left or came to, as a chain through `places`.
+    squares: HashMap<CellId, u32, BuildHasherDefault<CellHasher>>,
+    places: Vec<(Vec3, Option<u32>)>,
 }
 
 impl MovedBodies {
     fn clear(&mut self) {
         self.squares.clear();
+        self.places.clear();
     }
 
     fn add(&mut self, at: &Position) {
-        self.squares.insert(square(global(at)));
+        let place = global(at);
+        let index = self.places.len() as u32;
+        let before = self.squares.insert(square(place.x, place.y), index);
+        self.places.push((place, before));
     }
 
-    /// Whether a body has moved within `reach` of a path.
-    fn any_near(&self, from: &Position, to: &Position, reach: f32) -> bool {
-        if self.squares.is_empty() {
+    /// Whether a body has moved within `across` of a place sideways and `along` up or down.
+    fn any_near(&self, at: &Position, across: f32, along: f32) -> bool {
+        if self.places.is_empty() {
             return false;
         }
-        let (a, b) = (global(from), global(to));
-        let low = |i: usize| if b[i] < a[i] { b[i] } else { a[i] } - reach;
-        let high = |i: usize| if b[i] > a[i] { b[i] } else { a[i] } + reach;
-        let (low, high) = (square([low(0), low(1)]), square([high(0), high(1)]));
-        (low.0..=high.0).any(|x| (low.1..=high.1).any(|y| self.squares.contains(&(x, y))))
+        let p = global(at);
+        let (mut x, end_x, end_y) = (p.x - across, p.x + across + SQUARE, p.y + across + SQUARE);
+        while x < end_x {
+            let mut y = p.y - across;
+            while y < end_y {
+                let mut next = self.squares.get(&square(x, y)).copied();
+                while let Some(&(place, before)) = next.and_then(|i| self.places.get(i as usize)) {
+                    let apart = (place - p).abs();
+                    if apart.x < across && apart.y < across && apart.z < along {
+                        return true;
+                    }
+                    next = before;
+                }
+                y += SQUARE;
+            }
+            x += SQUARE;
+        }
+        false
     }
 }
 
 /// Metres from the south-west corner of the map.
-fn global(at: &Position) -> [f32; 2] {
+fn global(at: &Position) -> Vec3 {
     let LandCoord { x, y } = at.cell.block().corner();
-    [x as f32 * 24.0 + at.origin().x, y as f32 * 24.0 + at.origin().y]
+    at.origin() + Vec3::new(x as f32 * SQUARE_LENGTH, y as f32 * SQUARE_LENGTH, 0.0)
 }
 
-fn square([x, y]: [f32; 2]) -> (i32, i32) {
-    (libm::floorf(x / SQUARE) as i32, libm::floorf(y / SQUARE) as i32)
+/// The square of a place, as a number that hashes well.
+fn square(x: f32, y: f32) -> CellId {
+    let at = |v: f32| libm::floorf(v / SQUARE) as i32 as u32 & 0xFFFF;
+    CellId(at(x) << 16 | at(y))
 }
 
 /// The hash of Fowler, Noll and Vo.

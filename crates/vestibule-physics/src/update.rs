@@ -50,6 +50,10 @@ impl Iterator for Quanta {
 
 /// What a body is to do in a step of a [`crate::Simulation`].
 #[derive(Clone, Copy, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "made and used at once, never stored in bulk"
+)]
 pub(crate) enum Motive {
     /// To sweep, after its own motion over `q` seconds.
     Sweep { from: Position, to: Position, q: f32 },
@@ -141,7 +145,7 @@ impl Population {
     /// where from and where to.
     fn integrate(
         &mut self,
-        scratch: &mut Scratch,
+        _scratch: &mut Scratch,
         id: BodyId,
         q: f32,
         motion: &impl Fn(&crate::body::Body, f32) -> Frame,
@@ -172,7 +176,7 @@ impl Population {
         if moved.abs().max_element() < EPSILON {
             body.set_frame(Frame::new(old.frame.origin, frame.rotation()));
             body.cached_velocity = glam::Vec3::ZERO;
-            self.move_children_of(id, scratch);
+            self.move_children_of(id);
             return Ok(None);
         }
         if body.state.has(PhysicsState::ALIGNPATH) {
@@ -207,13 +211,18 @@ impl Population {
         } else {
             body.set_frame(Frame::new(from.frame.origin, to.frame.rotation()));
             body.cached_velocity = glam::Vec3::ZERO;
-            self.move_children_of(id, scratch);
+            self.move_children_of(id);
         }
     }
 
     /// Begins a step to the time `now` whose sweep is made elsewhere: the body's own motion is integrated.
     /// `None` when there is nothing to sweep.
-    pub(crate) fn begin_update(&mut self, scratch: &mut Scratch, id: BodyId, now: f64) -> Result<Option<Motive>, SweepError> {
+    pub(crate) fn begin_update(
+        &mut self,
+        scratch: &mut Scratch,
+        id: BodyId,
+        now: f64,
+    ) -> Result<Option<Motive>, SweepError> {
         let Some(elapsed) = self.elapsed(id, now)? else {
             return Ok(None);
         };
@@ -262,9 +271,9 @@ impl Population {
         Ok(Some(elapsed))
     }
 
-    fn move_children_of(&mut self, id: BodyId, scratch: &mut Scratch) {
+    fn move_children_of(&mut self, id: BodyId) {
         if self.body(id).is_some_and(|body| !body.children.is_empty()) {
-            self.move_children(id, scratch);
+            self.move_children(id);
         }
     }
 

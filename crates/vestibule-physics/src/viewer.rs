@@ -19,6 +19,19 @@ pub struct Viewer {
     pub cell: Option<CellId>,
 }
 
+/// Whom the camera follows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ViewerSubject {
+    /// The player as a mover, see [`crate::Body::mover`].
+    pub mover: Mover,
+    /// Where the player is.
+    pub position: Position,
+    /// The cell it is in; without one the camera stays at the player's position.
+    pub cell: Option<CellId>,
+    /// Where the camera starts, the player's head, in the landblock frame of `position`, metres.
+    pub pivot: Vec3,
+}
+
 /// The camera as a mover: one sphere that stops exactly where it touches, in the body of `player` for what
 /// concerns steps and whom it passes.
 pub fn viewer_mover(player: &Mover) -> Mover {
@@ -39,8 +52,7 @@ pub fn viewer_mover(player: &Mover) -> Mover {
 
 /// Pulls the camera from the player's pivot to the position sought for it, stopping at walls.
 ///
-/// `player_position` is where the player is, `player_cell` the cell it is in; `pivot` where the camera starts (the
-/// player's head) in the landblock frame of `player_position`; `sought` where it wants to be, in any landblock.
+/// `sought` is where the camera wants to be, in any landblock.
 ///
 /// # Errors
 /// Input that is not finite, or a camera too far away.
@@ -48,26 +60,29 @@ pub fn sweep_viewer(
     world: &World,
     population: &Population,
     scratch: &mut Scratch,
-    player: &Mover,
-    player_position: &Position,
-    player_cell: Option<CellId>,
-    pivot: Vec3,
+    subject: &ViewerSubject,
     sought: &Position,
 ) -> Result<Viewer, SweepError> {
+    let ViewerSubject {
+        mover: player,
+        position: player_position,
+        cell: player_cell,
+        pivot,
+    } = subject;
     let at_player = Viewer {
         position: *player_position,
         cell: None,
     };
-    let Some(player_cell) = player_cell else {
+    let Some(player_cell) = *player_cell else {
         return Ok(at_player);
     };
     let mut begin = *player_position;
     begin.cell = player_cell;
-    begin.frame.origin = pivot;
-    if player_cell.is_indoor() {
-        if let Some(adjusted) = adjust_position(world, &begin, Vec3::ZERO, true).filter(|a| a.resident) {
-            begin = adjusted.position;
-        }
+    begin.frame.origin = *pivot;
+    if player_cell.is_indoor()
+        && let Some(adjusted) = adjust_position(world, &begin, Vec3::ZERO, true).filter(|a| a.resident)
+    {
+        begin = adjusted.position;
     }
     let mut end = *sought;
     end.frame.origin += vestibule_world::ids::block_offset(begin.cell.block(), sought.cell.block());

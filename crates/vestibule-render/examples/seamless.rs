@@ -24,7 +24,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let poses: usize = arguments.next().map_or(Ok(2000), |a| a.parse())?;
     let mut names: Vec<String> = arguments.collect();
     if names.is_empty() {
-        names = ["dungeon-1", "maze-1", "gallery-1", "hollow", "hollow-deep"].map(str::to_owned).into();
+        names = ["dungeon-1", "maze-1", "gallery-1", "hollow", "hollow-deep"]
+            .map(str::to_owned)
+            .into();
     }
     let mut out = std::io::stdout().lock();
     for name in names {
@@ -38,16 +40,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             Some(stage)
         } else {
             match name.split_once(':') {
-            Some((folder, block)) => {
-                let block = u16::from_str_radix(block.trim_start_matches("0x"), 16)?;
-                let world = World::open(vestibule_dat::DatSet::open(folder)?)?;
-                Some(Stage::new(world, BlockId(block)))
-            }
-            None => Stage::vectors(&name),
+                Some((folder, block)) => {
+                    let block = u16::from_str_radix(block.trim_start_matches("0x"), 16)?;
+                    let world = World::open(vestibule_dat::DatSet::open(folder)?)?;
+                    Some(Stage::new(world, BlockId(block)))
+                }
+                None => Stage::vectors(&name),
             }
         };
         let Some(mut stage) = stage else { continue };
-        let sealed = stage.world.block(stage.block).is_some_and(|b| b.buildings.is_empty());
+        let sealed = stage
+            .world
+            .block(stage.block)
+            .is_some_and(|b| b.buildings.is_empty());
         let inner: std::collections::BTreeSet<CellId> = names
             .iter()
             .filter(|(id, n)| {
@@ -117,7 +122,12 @@ fn against_everything(
 
 fn tell(id: Option<vestibule_render::PixelId>) -> String {
     id.map_or_else(String::new, |id| {
-        format!("{:?} {} #{}", id.kind(), id.cell().unwrap_or(CellId(0)), id.item())
+        format!(
+            "{:?} {} #{}",
+            id.kind(),
+            id.cell().unwrap_or(CellId(0)),
+            id.item()
+        )
     })
 }
 
@@ -138,11 +148,22 @@ fn against_rays(
         let picture = stage.ids(camera);
         let mut lines = Vec::new();
         let d = compare_with_oracle(&picture, &oracle, &camera, |x, y, shown, truth| {
-            lines.push(format!("    ({x},{y}) shows {}, rays {}", tell(Some(shown)), tell(Some(truth))));
+            lines.push(format!(
+                "    ({x},{y}) shows {}, rays {}",
+                tell(Some(shown)),
+                tell(Some(truth))
+            ));
         });
         if !lines.is_empty() && reported < 12 {
             reported += 1;
-            writeln!(out, "  pose {pose} {:?} {} {}: {} unexplained", camera.cell(), camera.eye(), camera.forward(), lines.len())?;
+            writeln!(
+                out,
+                "  pose {pose} {:?} {} {}: {} unexplained",
+                camera.cell(),
+                camera.eye(),
+                camera.forward(),
+                lines.len()
+            )?;
             for line in lines.iter().take(3) {
                 writeln!(out, "{line}")?;
             }
@@ -165,4 +186,3 @@ fn against_rays(
         started.elapsed().as_secs_f32()
     )
 }
-

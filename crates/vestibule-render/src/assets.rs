@@ -310,8 +310,7 @@ impl Assets {
 
 /// Whether a texture is among the first records that a file with textures would have.
 fn any_surface_texture(world: &World) -> bool {
-    (0x0600_0000..0x0600_0100u32)
-        .any(|id| matches!(world.source().record(Store::Portal, id), Ok(Some(_))))
+    (0x0600_0000..0x0600_0100u32).any(|id| matches!(world.source().record(Store::Portal, id), Ok(Some(_))))
 }
 
 /// A colour as red, green, blue, 0…1 (`rendering.md` 12.2).
@@ -323,12 +322,18 @@ impl Assets {
     /// The lights that an env cell's shell is lit by: those of the static objects of the cell and of its stab list,
     /// in the frame of its landblock (`rendering.md` 12.6).
     pub(crate) fn lamps(&self, world: &World, cell: &EnvCell) -> Arc<[crate::lighting::Lamp]> {
-        cached(&self.lamps, cell.id.0, || crate::lighting::lamps_of(self, world, cell))
+        cached(&self.lamps, cell.id.0, || {
+            crate::lighting::lamps_of(self, world, cell)
+        })
     }
 
     /// The ground of a landblock. `neighbours` tells, bit by bit, which of the eight blocks around it are loaded:
     /// the light on its border depends on them.
-    pub(crate) fn land(&self, world: &World, block: vestibule_world::BlockId) -> Option<Arc<crate::land::LandMesh>> {
+    pub(crate) fn land(
+        &self,
+        world: &World,
+        block: vestibule_world::BlockId,
+    ) -> Option<Arc<crate::land::LandMesh>> {
         let key = (block.0, crate::land::loaded_neighbours(world, block));
         cached(&self.lands, key, || {
             crate::land::LandMesh::build(self, world, block).map(Arc::new)

@@ -79,9 +79,8 @@ fn colors(block: &[u8], punch: bool) -> [[u8; 4]; 16] {
 }
 
 fn alpha_ramp(a: u8, b: u8) -> [u8; 8] {
-    let mix = |wa: u16, wb: u16, total: u16| {
-        ((u16::from(a) * wa + u16::from(b) * wb + total / 2) / total) as u8
-    };
+    let mix =
+        |wa: u16, wb: u16, total: u16| ((u16::from(a) * wa + u16::from(b) * wb + total / 2) / total) as u8;
     if a > b {
         [
             a,
@@ -94,6 +93,15 @@ fn alpha_ramp(a: u8, b: u8) -> [u8; 8] {
             mix(1, 6, 7),
         ]
     } else {
-        [a, b, mix(4, 1, 5), mix(3, 2, 5), mix(2, 3, 5), mix(1, 4, 5), 0, 255]
+        [
+            a,
+            b,
+            mix(4, 1, 5),
+            mix(3, 2, 5),
+            mix(2, 3, 5),
+            mix(1, 4, 5),
+            0,
+            255,
+        ]
     }
 }

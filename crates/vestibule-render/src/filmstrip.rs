@@ -86,7 +86,11 @@ impl Image {
         let mut at = 0;
         for c in text.chars() {
             let glyph = glyph(c.to_ascii_uppercase());
-            let columns = if matches!(c, 'm' | 'M' | 'w' | 'W' | 'n' | 'N') { 5 } else { 3 };
+            let columns = if matches!(c, 'm' | 'M' | 'w' | 'W' | 'n' | 'N') {
+                5
+            } else {
+                3
+            };
             if at + columns * DOT > width {
                 break;
             }

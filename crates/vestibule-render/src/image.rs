@@ -62,13 +62,10 @@ impl Image {
 
     /// Sets a pixel; outside the picture nothing happens.
     pub fn set(&mut self, x: u32, y: u32, color: [u8; 4]) {
-        if x < self.width {
-            if let Some(p) = self
-                .pixels
-                .get_mut(y as usize * self.width as usize + x as usize)
-            {
-                *p = color;
-            }
+        if x < self.width
+            && let Some(p) = self.pixels.get_mut(y as usize * self.width as usize + x as usize)
+        {
+            *p = color;
         }
     }
 
@@ -124,7 +121,10 @@ impl Image {
 /// When there is no picture, the sizes differ, or the file cannot be encoded.
 pub fn write_apng(frames: &[Image], delay_ms: u16, out: impl Write) -> Result<(), RenderError> {
     let first = frames.first().ok_or(RenderError::Frames)?;
-    if frames.iter().any(|f| (f.width, f.height) != (first.width, first.height)) {
+    if frames
+        .iter()
+        .any(|f| (f.width, f.height) != (first.width, first.height))
+    {
         return Err(RenderError::Frames);
     }
     let count = u32::try_from(frames.len()).map_err(|_| RenderError::Frames)?;
@@ -169,7 +169,9 @@ mod tests {
         let mut image = Image::new(3, 2, [1, 2, 3, 255]).unwrap();
         image.set(2, 1, [200, 100, 50, 255]);
         let bytes = image.to_png().unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
+            .read_info()
+            .unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         reader.next_frame(&mut pixels).unwrap();
         assert_eq!(pixels, image.pixels().as_flattened());

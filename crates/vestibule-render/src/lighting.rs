@@ -122,7 +122,11 @@ impl LightLevels {
             sun: day.sun_color * bright,
             terrain: day.ambient_color * a,
             outdoors,
-            indoors: if sealed { Vec3::splat(SEALED_AMBIENT) } else { outdoors },
+            indoors: if sealed {
+                Vec3::splat(SEALED_AMBIENT)
+            } else {
+                outdoors
+            },
         }
     }
 

@@ -176,7 +176,10 @@ impl Oracle {
                             frame: far.frame,
                             scale: Vec3::ONE,
                         };
-                        far.portal_vertices(partner).iter().map(|&p| there.point(p)).collect()
+                        far.portal_vertices(partner)
+                            .iter()
+                            .map(|&p| there.point(p))
+                            .collect()
                     });
                 }
                 space.openings.push(opening);
@@ -252,7 +255,10 @@ impl Oracle {
             }
             let id = match (next, best, medium) {
                 (Some((t, opening)), ..) => {
-                    disputed |= opening.partner.as_ref().is_some_and(|p| !opening.inside(p, eye + d * t));
+                    disputed |= opening
+                        .partner
+                        .as_ref()
+                        .is_some_and(|p| !opening.inside(p, eye + d * t));
                     if let Some(to) = opening.to {
                         (medium, from) = (to, t);
                         continue;
@@ -366,10 +372,11 @@ impl Bunch {
             return;
         }
         for t in &self.triangles {
-            if let Some(dist) = t.hit(eye, d) {
-                if dist > from && best.is_none_or(|(b, _)| dist < b) {
-                    *best = Some((dist, t.id));
-                }
+            if let Some(dist) = t.hit(eye, d)
+                && dist > from
+                && best.is_none_or(|(b, _)| dist < b)
+            {
+                *best = Some((dist, t.id));
             }
         }
     }

@@ -58,11 +58,7 @@ fn really_overlap(a: &EnvCell, b: &EnvCell) -> bool {
     let size = bounds.max - bounds.min;
     (0..STEPS * STEPS * STEPS).any(|k| {
         let at = |i: i32| (i as f32 + 0.5) / STEPS as f32;
-        let share = Vec3::new(
-            at(k % STEPS),
-            at(k / STEPS % STEPS),
-            at(k / (STEPS * STEPS)),
-        );
+        let share = Vec3::new(at(k % STEPS), at(k / STEPS % STEPS), at(k / (STEPS * STEPS)));
         let p = a.frame.local_to_global(bounds.min + size * share);
         a.contains_point(p) && b.contains_point(p)
     })

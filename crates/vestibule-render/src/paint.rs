@@ -71,6 +71,8 @@ pub(crate) struct Painter {
     /// How much opaque triangles of meshes grow, pixels: [`GROWTH`](crate::raster::scan::GROWTH) for the viewer's own
     /// rooms, else nothing.
     pub(crate) growth: f64,
+    /// The viewer's cell does not see the outside.
+    pub(crate) sealed: bool,
     /// Sun and up in camera axes.
     sun: Vec3,
     slopes: (f64, f64),
@@ -99,6 +101,7 @@ impl Painter {
             fog: day.fog.filter(|_| settings.fog && !sealed),
             counters: RenderCounters::default(),
             growth: 0.0,
+            sealed,
             sun: eye.turn(levels.sun_direction.as_dvec3()).as_vec3(),
             slopes: (f64::from(camera.slopes().x), f64::from(camera.slopes().y)),
             eye,
@@ -176,20 +179,18 @@ impl Painter {
                 );
                 let at_once = material.list == DrawList::Now && opacity >= 1.0;
                 if at_once && self.mode == Mode::Ids {
-                    self.buffers.id_triangle(p, id, confine, Facing::Front, self.growth);
+                    self.buffers
+                        .id_triangle(p, id, confine, Facing::Front, self.growth);
                     continue;
                 }
-                let uv = corners.map(|i| {
-                    mesh.vertices
-                        .get(i)
-                        .map_or([0.0; 2], |v| [v.uv.x, v.uv.y])
-                });
+                let uv = corners.map(|i| mesh.vertices.get(i).map_or([0.0; 2], |v| [v.uv.x, v.uv.y]));
                 let n = pick(&normals, corners).unwrap_or([Vec3::Z; 3]);
                 if at_once {
                     self.opaque(p, n, uv, material, face.wrap, light, confine);
                 } else {
                     self.counters.deferred += 1;
-                    let light = core::array::from_fn(|k| self.light_at(material, light, p[k].as_vec3(), n[k]));
+                    let light =
+                        core::array::from_fn(|k| self.light_at(material, light, p[k].as_vec3(), n[k]));
                     self.deferred.push(Deferred {
                         points: p,
                         uv,
@@ -224,7 +225,11 @@ impl Painter {
         match light {
             MeshLight::Sun => {
                 let facing = normal.dot(self.sun);
-                let sun = if facing > 0.0 { self.levels.sun * facing } else { Vec3::ZERO };
+                let sun = if facing > 0.0 {
+                    self.levels.sun * facing
+                } else {
+                    Vec3::ZERO
+                };
                 lit(self.levels.outdoors + sun)
             }
             MeshLight::Shell { lamps, viewer } => {
@@ -245,7 +250,10 @@ impl Painter {
         }
     }
 
-    #[expect(clippy::too_many_arguments, reason = "one triangle, split from mesh for reading")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "one triangle, split from mesh for reading"
+    )]
     fn opaque(
         &mut self,
         p: [DVec3; 3],
@@ -271,10 +279,7 @@ impl Painter {
             write: true,
             blend: Blend::OPAQUE,
         };
-        let lamps = matches!(
-            light,
-            MeshLight::Shell { .. } | MeshLight::Indoor { .. }
-        );
+        let lamps = matches!(light, MeshLight::Shell { .. } | MeshLight::Indoor { .. });
         let mut buffers = core::mem::replace(&mut self.buffers, Buffers::empty(screen));
         if lamps && self.settings.light == LightDetail::PerPixel {
             let flat = n[0] == n[1] && n[1] == n[2];
@@ -322,7 +327,8 @@ impl Painter {
             if self.mode == Mode::Ids {
                 // Cut-outs count as solid, what is blended writes nothing (`rendering.md` 10.1).
                 if cut_out(d) {
-                    self.buffers.id_triangle(d.points, d.id, &d.confine, Facing::Front, 0.0);
+                    self.buffers
+                        .id_triangle(d.points, d.id, &d.confine, Facing::Front, 0.0);
                 }
                 continue;
             }
@@ -350,7 +356,11 @@ impl Painter {
                 if material.alpha_test.is_some_and(|limit| c[3] < f32::from(limit)) {
                     return None;
                 }
-                let alpha = if material.list == DrawList::Now { 1.0 } else { c[3] / 255.0 };
+                let alpha = if material.list == DrawList::Now {
+                    1.0
+                } else {
+                    c[3] / 255.0
+                };
                 let light = Vec3::from_array(smooth.map(|a| (a.at(x, y) * far) as f32));
                 let lit = [c[0] * light.x, c[1] * light.y, c[2] * light.z];
                 Some((fogged(lit, fog, &screen, x, y, far), alpha * opacity))
@@ -374,7 +384,11 @@ impl Painter {
         let lowered = corners.map(|p| p - Vec3::Z * self.settings.terrain_offset);
         let p = lowered.map(|v| placed.point(v));
         self.counters.triangles += 1;
-        let facing = if self.settings.cull_terrain { Facing::Front } else { Facing::Both };
+        let facing = if self.settings.cull_terrain {
+            Facing::Front
+        } else {
+            Facing::Both
+        };
         if self.mode == Mode::Ids {
             let id = PixelId::new(PixelKind::Terrain, cell, 0);
             self.buffers.id_triangle(p, id, &[], facing, 0.0);
@@ -528,7 +542,10 @@ impl Slope {
             let dv = (per[1] - uv[1] * inverse) * far;
             du * du + dv * dv
         };
-        let (a, b) = (change(self.per_x, self.inverse[0]), change(self.per_y, self.inverse[1]));
+        let (a, b) = (
+            change(self.per_x, self.inverse[0]),
+            change(self.per_y, self.inverse[1]),
+        );
         // Between the two: sharper than the larger, calmer than the smaller.
         libm::sqrtf(libm::sqrtf(a * b)).max(libm::sqrtf(if a > b { a } else { b }) * 0.35)
     }

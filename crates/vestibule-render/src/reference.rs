@@ -13,7 +13,7 @@ use crate::overlaps::overlapping_cells;
 use crate::paint::{MeshLight, Mode, Owner, Painter};
 use crate::raster::scan::{Affine, GROWTH, Projection};
 use crate::raster::{Buffers, PUNCH_DEPTH, PixelId, PixelKind};
-use crate::scene::{RenderCounters, RenderSettings, Scene};
+use crate::scene::{LightDetail, RenderCounters, RenderSettings, Scene};
 
 /// A picture whose pixels say which cell's surface won them.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,7 +49,9 @@ impl IdImage {
         if x >= self.width {
             return None;
         }
-        self.ids.get(y as usize * self.width as usize + x as usize).copied()
+        self.ids
+            .get(y as usize * self.width as usize + x as usize)
+            .copied()
     }
 
     /// How many pixels show this kind of thing.
@@ -168,7 +170,9 @@ fn paint(
     let day = scene.daylight();
     let sealed = frame.path() == FramePath::Sealed;
     let clear = if sealed { Vec3::ZERO } else { day.horizon } * 255.0;
-    buffers.color.fill([clear.x as u8, clear.y as u8, clear.z as u8, 255]);
+    buffers
+        .color
+        .fill([clear.x as u8, clear.y as u8, clear.z as u8, 255]);
     let painter = Painter::new(mode, *settings, camera, buffers, day, sealed);
     let mut run = Run::new(scene, camera, painter);
     // Until there is a landscape, everything is the viewer's own rooms.
@@ -240,7 +244,12 @@ impl<'a> Run<'a> {
             }
             None => DVec3::ZERO,
         };
-        Some(Lamp::of_viewer(position.as_vec3()))
+        let mut lamp = Lamp::of_viewer(position.as_vec3());
+        if self.painter.settings.light == LightDetail::PerPixel && !self.painter.sealed {
+            // By daylight it would drown what the room's own lamps do.
+            lamp.intensity *= 0.3;
+        }
+        Some(lamp)
     }
 
     pub(crate) fn set_light(&mut self, light: LightSet) {
@@ -438,8 +447,7 @@ impl<'a> Run<'a> {
             cell: building.cell.0,
             item: None,
         };
-        self.painter
-            .mesh(&mesh, &placed, owner, MeshLight::Sun, 1.0, &[]);
+        self.painter.mesh(&mesh, &placed, owner, MeshLight::Sun, 1.0, &[]);
     }
 
     fn seen_lamps(&self, cell: &EnvCell) -> Vec<Lamp> {
@@ -532,10 +540,7 @@ impl<'a> Run<'a> {
                 continue;
             };
             drawn = true;
-            let placed = self
-                .painter
-                .eye
-                .place(block, frame, part.scale * body.scale());
+            let placed = self.painter.eye.place(block, frame, part.scale * body.scale());
             self.lit_object(&mesh, &placed, owner, cell, opacity, confine);
         }
         if !drawn {

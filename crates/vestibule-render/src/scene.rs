@@ -88,7 +88,8 @@ pub struct RenderSettings {
     pub fog: bool,
     /// Rooms that overlap others in the same list show only inside their own regions (`rendering.md` 9.5).
     pub confine_overlaps: bool,
-    /// The light that the viewer carries (`rendering.md` 12.7).
+    /// The light that the viewer carries (`rendering.md` 12.7). With light per pixel it is weaker in rooms that see
+    /// the outside.
     pub viewer_light: bool,
     /// How much lower than it is the ground is drawn, metres (`rendering.md` 6.6).
     pub terrain_offset: f32,

@@ -169,7 +169,11 @@ impl SkyTable {
         objects
             .filter_map(|(index, o)| {
                 let span = o.end_time - o.begin_time;
-                let t = if span > 0.0 { (time - o.begin_time) / span } else { 0.0 };
+                let t = if span > 0.0 {
+                    (time - o.begin_time) / span
+                } else {
+                    0.0
+                };
                 let change = bracket.and_then(|(a, ..)| {
                     a.replaces
                         .iter()

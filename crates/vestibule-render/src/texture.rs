@@ -62,7 +62,11 @@ impl Texture {
     /// A texture from its largest level; smaller ones are made of it. `cutout` keeps the share of pixels that pass
     /// an alpha test the same on every level (`rendering.md` 15.3).
     pub fn new(width: u32, height: u32, pixels: Vec<[u8; 4]>, cutout: bool) -> Self {
-        let mut levels = vec![Level { width, height, pixels }];
+        let mut levels = vec![Level {
+            width,
+            height,
+            pixels,
+        }];
         while let Some(last) = levels.last() {
             if last.width <= 1 && last.height <= 1 {
                 break;
@@ -115,7 +119,11 @@ impl Texture {
     #[inline]
     pub fn sample(&self, u: f32, v: f32, lod: f32, wrap: bool) -> [f32; 4] {
         let last = self.levels.len() - 1;
-        let level = if lod > 0.5 { ((lod + 0.5) as usize).min(last) } else { 0 };
+        let level = if lod > 0.5 {
+            ((lod + 0.5) as usize).min(last)
+        } else {
+            0
+        };
         self.levels[level].sample(u, v, wrap)
     }
 }
@@ -190,7 +198,11 @@ impl Level {
                 pixels.push([c(0), c(1), c(2), ((sum[3] + 2) / 4) as u8]);
             }
         }
-        Level { width, height, pixels }
+        Level {
+            width,
+            height,
+            pixels,
+        }
     }
 }
 
@@ -288,7 +300,10 @@ pub fn decode(
         PixelFormat::A8 if how.additive => bytes.iter().map(|&a| [a; 4]).collect(),
         PixelFormat::A8 => bytes.iter().map(|&a| [255, 255, 255, a]).collect(),
         PixelFormat::P8 => bytes.iter().map(|&i| index(usize::from(i))).collect(),
-        PixelFormat::Index16 => bytes.chunks_exact(2).map(|b| index(usize::from(word(b)))).collect(),
+        PixelFormat::Index16 => bytes
+            .chunks_exact(2)
+            .map(|b| index(usize::from(word(b))))
+            .collect(),
         PixelFormat::LscapeR8G8B8 => bytes.chunks_exact(3).map(|b| [b[0], b[1], b[2], 255]).collect(),
         PixelFormat::LscapeAlpha => bytes.iter().map(|&a| [255, 255, 255, a]).collect(),
         PixelFormat::Dxt1 => block(Dxt::One),
@@ -382,22 +397,12 @@ mod tests {
         assert_eq!(t.levels()[0].pixels[3], [0; 4]);
         let mut dxt5 = vec![200, 100, 0b0000_1000, 0, 0, 0, 0, 0];
         dxt5.extend(block);
-        let t = decode(
-            &surface(PixelFormat::Dxt5, 4, 4, dxt5),
-            None,
-            DecodeAs::default(),
-        )
-        .unwrap();
+        let t = decode(&surface(PixelFormat::Dxt5, 4, 4, dxt5), None, DecodeAs::default()).unwrap();
         assert_eq!(t.levels()[0].pixels[0][3], 200);
         assert_eq!(t.levels()[0].pixels[1][3], 100);
         let mut dxt3 = vec![0x2F, 0, 0, 0, 0, 0, 0, 0];
         dxt3.extend(block);
-        let t = decode(
-            &surface(PixelFormat::Dxt3, 3, 2, dxt3),
-            None,
-            DecodeAs::default(),
-        )
-        .unwrap();
+        let t = decode(&surface(PixelFormat::Dxt3, 3, 2, dxt3), None, DecodeAs::default()).unwrap();
         assert_eq!(
             (t.levels()[0].pixels[0][3], t.levels()[0].pixels[1][3]),
             (255, 34)

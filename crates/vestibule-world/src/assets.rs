@@ -165,22 +165,29 @@ impl Records {
         }
     }
 
-    /// A cell structure of an Environment record (0x0D…).
+    /// A cell structure of an Environment record (0x0D…). The first one asked for makes all of its record's, since
+    /// finding one means reading them all.
     pub(crate) fn cell_struct(&self, environment: u32, key: u16, cell: u32) -> Option<Arc<CellStruct>> {
-        cached(
-            &self.assets.structs,
-            &self.assets.bytes,
-            (environment, key),
-            || {
-                let record = self.parse(Store::Portal, environment, cell, record::Environment::parse)?;
-                let found = record.cell_struct(u32::from(key));
-                if found.is_none() {
-                    let kind = ProblemKind::NoCellStruct { environment, key };
-                    self.report_in(Store::Cell, cell, kind);
+        let Assets { structs, bytes, .. } = &self.assets;
+        let known = |key: u16| {
+            let cache = structs.lock().unwrap_or_else(PoisonError::into_inner);
+            cache.get(&(environment, key)).cloned()
+        };
+        if let Some(found) = known(key) {
+            return found;
+        }
+        if let Some(record) = self.parse(Store::Portal, environment, cell, record::Environment::parse) {
+            for shape in &record.cell_structs {
+                if let Ok(key) = u16::try_from(shape.id) {
+                    let make = || Some(compile::cell_struct(environment, key, shape));
+                    cached(structs, bytes, (environment, key), make);
                 }
-                Some(compile::cell_struct(environment, key, found?))
-            },
-        )
+            }
+            if known(key).is_none() {
+                self.report_in(Store::Cell, cell, ProblemKind::NoCellStruct { environment, key });
+            }
+        }
+        cached(structs, bytes, (environment, key), || None)
     }
 }
 

@@ -377,14 +377,13 @@ impl PhysicsBsp {
         // An overlap must be deeper than epsilon; rounding is far below the rest.
         let r = radius - 0.75 * EPSILON;
         let BoundingBox { min, max } = &self.open;
-        let inside = (radius > LEAST_CLEAR_RADIUS)
-            & (center.x - r > min.x)
-            & (center.x + r < max.x)
-            & (center.y - r > min.y)
-            & (center.y + r < max.y)
-            & (center.z - r > min.z)
-            & (center.z + r < max.z);
-        inside
+        radius > LEAST_CLEAR_RADIUS
+            && center.x - r > min.x
+            && center.x + r < max.x
+            && center.y - r > min.y
+            && center.y + r < max.y
+            && center.z - r > min.z
+            && center.z + r < max.z
     }
 
     /// Whether some polygon whose plane is within `reach` of `center` passes `test`. With `only_up` polygons that

@@ -350,8 +350,7 @@ fn ids_in_falling_order_load_in_no_time() {
         ..Default::default()
     };
     let mut b = Builder::new(0xA9B4);
-    b.records
-        .insert(vestibule_world::Store::Portal, model.id, model.encode().unwrap());
+    b.records.insert(Store::Portal, model.id, model.encode().unwrap());
     let world = b.world();
     let compiled = world.model(model.id, 0).expect("a model");
     assert!(compiled.physics.is_some());

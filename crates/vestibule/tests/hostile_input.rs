@@ -13,7 +13,10 @@ use vestibule_world::{MemoryRecords, Store, World};
 fn worlds() -> Vec<MemoryRecords> {
     let embedded = vestibule::open_dats(None).expect("the embedded world opens");
     let mut worlds = vec![hostile::records_of(&embedded)];
-    let shared = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors/worlds"));
+    let shared = PathBuf::from(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../../shared/vectors/worlds"
+    ));
     for name in ["dungeon-1", "gallery-1", "cottage-1-cyl2", "maze-1-sph0"] {
         if let Ok(dats) = DatSet::open(shared.join(name)) {
             worlds.push(hostile::records_of(&dats));
@@ -88,7 +91,11 @@ fn mutated_containers_can_be_read_and_edited() {
                     1 => mutated.len() - 1 - draws.below(4_096.min(mutated.len() - 1)),
                     _ => draws.below(mutated.len()),
                 };
-                mutated[at] = if draws.below(2) == 0 { draws.below(256) as u8 } else { 0xFF };
+                mutated[at] = if draws.below(2) == 0 {
+                    draws.below(256) as u8
+                } else {
+                    0xFF
+                };
             }
             if draws.below(8) == 0 {
                 mutated.truncate(draws.below(bytes.len()));
@@ -118,7 +125,9 @@ fn mutated_text_is_read_or_refused() {
                 match draws.below(4) {
                     0 if text.len() > 1 => drop(text.remove(at)),
                     1 => text.insert(at, b"0123456789.-+eExXNnSsWwaninf[], "[draws.below(32)]),
-                    2 => text.splice(at..at, "9".repeat(draws.below(60)).bytes()).for_each(drop),
+                    2 => text
+                        .splice(at..at, "9".repeat(draws.below(60)).bytes())
+                        .for_each(drop),
                     _ => text[at] = 32 + draws.below(95) as u8,
                 }
             }

@@ -97,9 +97,9 @@ impl Dungeon {
                 spots.push(room(end));
                 link(&mut spots, from, side, usize::from(index));
                 link(&mut spots, usize::from(index), side, usize::from(index) + 1);
-            } else if !grid.contains_key(&(near.0, near.1, z)) {
+            } else if let std::collections::btree_map::Entry::Vacant(e) = grid.entry((near.0, near.1, z)) {
                 let index = spots.len();
-                grid.insert((near.0, near.1, z), index as u16);
+                e.insert(index as u16);
                 spots.push(room((near.0, near.1, z)));
                 link(&mut spots, from, side, index);
             }

@@ -128,7 +128,12 @@ fn bodies_walk_through_dungeons_and_houses() {
         let mut turn = 0.0f32;
         for step in 1..4_000 {
             let body = population.body_mut(id).expect("the body");
-            body.set_motion(Motion { forward: 1.0, turn, run: true, ..Motion::default() });
+            body.set_motion(Motion {
+                forward: 1.0,
+                turn,
+                run: true,
+                ..Motion::default()
+            });
             if draws.below(20) == 0 {
                 turn = f32::from(draws.below(3) as u8) - 1.0;
             }

@@ -12,7 +12,7 @@ use vestibule_physics::{Carried, ContactPlane, Mover, ObjectState};
 use vestibule_world::{CellId, Plane, Position, Sphere, World};
 
 /// The folder of vectors; says so when it is not there.
-pub fn vectors() -> Option<PathBuf> {
+pub(crate) fn vectors() -> Option<PathBuf> {
     let dir = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors"));
     if dir.is_dir() {
         return Some(dir.to_owned());
@@ -22,24 +22,24 @@ pub fn vectors() -> Option<PathBuf> {
 }
 
 /// Opens a world of the vectors.
-pub fn open_world(name: &str) -> Option<World> {
+pub(crate) fn open_world(name: &str) -> Option<World> {
     let dir = vectors()?.join("worlds").join(name);
     Some(World::open(DatSet::open_in_memory(dir).unwrap()).unwrap())
 }
 
 /// Worlds, opened once each.
 #[derive(Default)]
-pub struct Worlds(HashMap<String, World>);
+pub(crate) struct Worlds(HashMap<String, World>);
 
 impl Worlds {
-    pub fn get(&mut self, name: &str) -> &World {
+    pub(crate) fn get(&mut self, name: &str) -> &World {
         self.0
             .entry(name.to_owned())
             .or_insert_with(|| open_world(name).unwrap())
     }
 }
 
-pub fn cases(file: &str) -> Vec<Value> {
+pub(crate) fn cases(file: &str) -> Vec<Value> {
     let Some(dir) = vectors() else { return Vec::new() };
     let text = std::fs::read_to_string(dir.join(file)).unwrap();
     let cases: Vec<Value> = text
@@ -50,32 +50,32 @@ pub fn cases(file: &str) -> Vec<Value> {
     cases
 }
 
-pub fn float(v: &Value) -> f32 {
+pub(crate) fn float(v: &Value) -> f32 {
     v.as_f64().unwrap() as f32
 }
 
-pub fn vec3(v: &Value) -> Vec3 {
+pub(crate) fn vec3(v: &Value) -> Vec3 {
     Vec3::new(float(&v[0]), float(&v[1]), float(&v[2]))
 }
 
-pub fn cell(v: &Value) -> CellId {
+pub(crate) fn cell(v: &Value) -> CellId {
     CellId(u32::try_from(v.as_u64().unwrap()).unwrap())
 }
 
-pub fn plane(v: &Value) -> Plane {
+pub(crate) fn plane(v: &Value) -> Plane {
     Plane {
         normal: vec3(v),
         d: float(&v[3]),
     }
 }
 
-pub fn spheres(input: &Value) -> Vec<Sphere> {
+pub(crate) fn spheres(input: &Value) -> Vec<Sphere> {
     let list = input["spheres"].as_array().unwrap();
     list.iter().map(|s| Sphere::new(vec3(s), float(&s[3]))).collect()
 }
 
 /// The mover of a `sweep` or `walk` case.
-pub fn mover(input: &Value) -> Mover {
+pub(crate) fn mover(input: &Value) -> Mover {
     let mut mover = Mover::new(&spheres(input))
         .unwrap()
         .with_steps(float(&input["step_up"]), float(&input["step_down"]));
@@ -89,7 +89,7 @@ pub fn mover(input: &Value) -> Mover {
 }
 
 /// The state that a case's body carries.
-pub fn carried(state: &Value) -> Carried {
+pub(crate) fn carried(state: &Value) -> Carried {
     let truth = |v: &Value| v.as_bool().unwrap_or(false);
     let contact = truth(&state["contact"]).then(|| ContactPlane {
         plane: plane(&state["plane"]),
@@ -105,10 +105,10 @@ pub fn carried(state: &Value) -> Carried {
     }
 }
 
-pub fn start(input: &Value) -> Position {
+pub(crate) fn start(input: &Value) -> Position {
     Position::new(cell(&input["cell"]), vec3(&input["pos"]))
 }
 
-pub fn flagged(case: &Value) -> bool {
+pub(crate) fn flagged(case: &Value) -> bool {
     case["sensitive"] == true || case["suspect"] == true
 }

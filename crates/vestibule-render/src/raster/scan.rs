@@ -170,7 +170,11 @@ impl Span {
     /// What the depth of a column is multiplied with.
     #[inline]
     pub(crate) fn depth_factor(&self, x: u32) -> f64 {
-        if x >= self.inner.0 && x < self.inner.1 { 1.0 } else { GROWN_DEPTH }
+        if x >= self.inner.0 && x < self.inner.1 {
+            1.0
+        } else {
+            GROWN_DEPTH
+        }
     }
 }
 

@@ -5,7 +5,8 @@
 use glam::{Vec2, Vec3};
 use vestibule_dat::DatSet;
 use vestibule_render::{
-    Assets, Everything, IdImage, Oracle, PixelId, PixelKind, RenderSettings, Scene, render_everything_ids, render_ids,
+    Assets, Everything, IdImage, Oracle, PixelId, PixelKind, RenderSettings, Scene, render_everything_ids,
+    render_ids,
 };
 use vestibule_view::{Camera, FrameInput, FrameSettings, FrameView, Openings, WorldObjects};
 use vestibule_world::{BlockId, CellId, World};
@@ -45,7 +46,8 @@ impl Stage {
 
     /// A world of the test vectors; `None`, with a notice, where they are absent.
     pub fn vectors(name: &str) -> Option<Self> {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors/worlds/").to_owned() + name;
+        let folder =
+            concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors/worlds/").to_owned() + name;
         if !std::path::Path::new(&folder).is_dir() {
             use std::io::Write as _;
             let _ = writeln!(std::io::stderr(), "skipped: no test vectors at {folder}");
@@ -143,7 +145,11 @@ fn distance(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     let inside = [(a, b), (b, c), (c, a)]
         .iter()
         .all(|&(a, b)| n.dot((b - a).cross(p - a)) >= 0.0);
-    if inside { edges.min(n.dot(p - a).abs()) } else { edges }
+    if inside {
+        edges.min(n.dot(p - a).abs())
+    } else {
+        edges
+    }
 }
 
 /// Whether the nearest triangle that a ray meets turns its back to it.
@@ -202,7 +208,11 @@ pub struct Rooms {
 impl Rooms {
     pub fn new(stage: &Stage) -> Self {
         let block = stage.world.block(stage.block).unwrap();
-        let cells: Vec<CellId> = block.env_cells().filter(|c| !c.portals.is_empty()).map(|c| c.id).collect();
+        let cells: Vec<CellId> = block
+            .env_cells()
+            .filter(|c| !c.portals.is_empty())
+            .map(|c| c.id)
+            .collect();
         let solids = cells.iter().map(|&id| solid(stage, id)).collect();
         Rooms {
             all: cells.clone(),
@@ -217,6 +227,16 @@ impl Rooms {
         let mut rooms = Rooms::new(stage);
         rooms.cells.retain(|&id| keep(id));
         rooms
+    }
+
+    /// Whether a point is this far from everything drawn in a room.
+    pub fn is_clear(&self, id: CellId, eye: Vec3, clearance: f32) -> bool {
+        let own = self
+            .all
+            .iter()
+            .position(|&c| c == id)
+            .map_or(&[][..], |k| &self.solids[k]);
+        own.iter().all(|t| distance(eye, *t) >= clearance)
     }
 
     /// An eye anywhere in a room, clear of walls and furniture of the room and of its neighbours; now and then right
@@ -235,7 +255,8 @@ impl Rooms {
                 let p: Vec3 = corners.iter().zip(&weights).map(|(c, w)| *c * *w).sum();
                 let inward = if portal.interior_is_negative { -1.0 } else { 1.0 };
                 let gap = [1.0e-4, 1.0e-3, 0.02, 0.09][random.below(4)];
-                cell.frame.local_to_global(p + portal.plane.normal * (inward * gap))
+                cell.frame
+                    .local_to_global(p + portal.plane.normal * (inward * gap))
             } else {
                 let bounds = cell.structure.bounds.unwrap();
                 let p = Vec3::new(
@@ -249,15 +270,24 @@ impl Rooms {
                 continue;
             }
             let clear = |id: CellId| {
-                self.all.iter().position(|&c| c == id).is_none_or(|k| {
-                    self.solids[k].iter().all(|t| distance(eye, *t) >= self.clearance)
-                })
+                self.all
+                    .iter()
+                    .position(|&c| c == id)
+                    .is_none_or(|k| self.solids[k].iter().all(|t| distance(eye, *t) >= self.clearance))
             };
             // Not inside a block that stands in the room: the first thing met shows its front.
-            let own = self.all.iter().position(|&c| c == id).map_or(&[][..], |k| &self.solids[k]);
-            if [Vec3::new(0.3, 0.5, 0.8), Vec3::new(-0.6, 0.2, 0.3), Vec3::new(0.2, -0.7, -0.4)]
+            let own = self
+                .all
                 .iter()
-                .any(|&d| first_is_back(own, eye, d))
+                .position(|&c| c == id)
+                .map_or(&[][..], |k| &self.solids[k]);
+            if [
+                Vec3::new(0.3, 0.5, 0.8),
+                Vec3::new(-0.6, 0.2, 0.3),
+                Vec3::new(0.2, -0.7, -0.4),
+            ]
+            .iter()
+            .any(|&d| first_is_back(own, eye, d))
             {
                 continue;
             }
@@ -372,7 +402,8 @@ impl Stage {
             return true;
         };
         block.buildings.iter().all(|building| {
-            let (Some(part), Some(frame)) = (building.shape.parts.first(), building.part_frames.first()) else {
+            let (Some(part), Some(frame)) = (building.shape.parts.first(), building.part_frames.first())
+            else {
                 return true;
             };
             let Some(model) = &part.model else { return true };
@@ -381,7 +412,8 @@ impl Stage {
             };
             let local = frame.global_to_local(eye);
             let b = model.bounds;
-            let in_box = local.cmpge(b.min - Vec3::splat(0.2)).all() && local.cmple(b.max + Vec3::splat(0.2)).all();
+            let in_box =
+                local.cmpge(b.min - Vec3::splat(0.2)).all() && local.cmple(b.max + Vec3::splat(0.2)).all();
             if !in_box {
                 return true;
             }
@@ -439,11 +471,11 @@ pub fn mixed_camera(stage: &Stage, rooms: &Rooms, random: &mut Random, size: (u3
         rooms.eye(stage, random)
     };
     let mut forward = random.direction();
-    if !cell.is_indoor() {
-        if let Some(house) = buildings.get(random.below(buildings.len())) {
-            let gap = house.frame.origin + Vec3::Z * 1.5 - eye;
-            forward = (gap.normalize_or_zero() + forward * 0.3).normalize_or_zero();
-        }
+    if !cell.is_indoor()
+        && let Some(house) = buildings.get(random.below(buildings.len()))
+    {
+        let gap = house.frame.origin + Vec3::Z * 1.5 - eye;
+        forward = (gap.normalize_or_zero() + forward * 0.3).normalize_or_zero();
     }
     camera(cell, eye, forward, size, 1.2)
 }

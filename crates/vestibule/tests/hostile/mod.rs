@@ -27,7 +27,12 @@ pub(crate) fn container(bytes: &[u8]) {
         for entry in dat.iter().take(2_000).flatten() {
             let read = dat.read(&entry).ok().map(|bytes| bytes.into_owned());
             if let Ok(Some(_)) = dat.read_into(entry.id, &mut buffer) {
-                assert_eq!(read.as_deref(), Some(&buffer[..]), "two ways to read record 0x{:08X}", entry.id);
+                assert_eq!(
+                    read.as_deref(),
+                    Some(&buffer[..]),
+                    "two ways to read record 0x{:08X}",
+                    entry.id
+                );
             }
             let _ = dat.record(entry.id);
         }
@@ -44,7 +49,9 @@ fn edit(bytes: &[u8]) {
         return;
     };
     let written = [0xAB; 700];
-    let put = editor.put(0x0500_1234, &written, &WriteOptions::default()).is_ok();
+    let put = editor
+        .put(0x0500_1234, &written, &WriteOptions::default())
+        .is_ok();
     let _ = editor.delete(0x0100_0001);
     let _ = editor.put(0x0D00_0001, &[1, 2, 3], &WriteOptions::default());
     let committed = editor.commit().is_ok();
@@ -59,10 +66,14 @@ fn edit(bytes: &[u8]) {
 /// A record: the first byte selects the type, the rest are its bytes. What parses must encode and parse again to
 /// the same, and lint must come back.
 pub(crate) fn record(bytes: &[u8]) {
-    let Some((&selector, bytes)) = bytes.split_first() else { return };
+    let Some((&selector, bytes)) = bytes.split_first() else {
+        return;
+    };
     let kind = RecordKind::ALL[usize::from(selector) % RecordKind::ALL.len()];
     let id = bytes.first_chunk().map_or(0, |b| u32::from_le_bytes(*b));
-    let Ok(parsed) = Record::parse(kind, id, bytes) else { return };
+    let Ok(parsed) = Record::parse(kind, id, bytes) else {
+        return;
+    };
     let _ = lint::lint(id, &parsed);
     if let Ok(encoded) = parsed.encode() {
         let again = Record::parse(kind, id, &encoded).expect("an encoded record parses");
@@ -73,11 +84,16 @@ pub(crate) fn record(bytes: &[u8]) {
 
 /// Text that people type, and vectors.
 pub(crate) fn text(bytes: &[u8]) {
-    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
     if let Ok(position) = text.parse::<Position>()
         && position.is_finite()
     {
-        let back: Position = position.to_string().parse().expect("a printed position reads back");
+        let back: Position = position
+            .to_string()
+            .parse()
+            .expect("a printed position reads back");
         assert_eq!(back.cell, position.cell);
         let _ = (position.adjusted_to_outside(), MapCoordinates::of(&position));
     }
@@ -127,11 +143,19 @@ pub(crate) fn mutate(records: &mut MemoryRecords, script: &[u8]) {
     for change in script.chunks_exact(7).take(64) {
         let word = |at: usize| usize::from(u16::from_le_bytes([change[at], change[at + 1]]));
         let (store, id) = ids[word(0) % ids.len()];
-        let Some(mut bytes) = records.iter().find(|r| (r.0, r.1) == (store, id)).map(|r| r.2.to_vec()) else {
+        let Some(mut bytes) = records
+            .iter()
+            .find(|r| (r.0, r.1) == (store, id))
+            .map(|r| r.2.to_vec())
+        else {
             continue;
         };
         let (action, value) = (change[2], word(5));
-        let at = if bytes.is_empty() { 0 } else { word(3) % bytes.len() };
+        let at = if bytes.is_empty() {
+            0
+        } else {
+            word(3) % bytes.len()
+        };
         change_bytes(&mut bytes, action, at, value);
         match action {
             250..=252 => drop(records.remove(store, id)),
@@ -222,12 +246,19 @@ pub(crate) fn load_and_walk(world: &World, blocks: &[BlockId]) {
     };
     for &id in blocks {
         let Some(block) = world.block(id) else { continue };
-        let _ = (block.stab_list(), block.looks_like_a_dungeon(), world.block_water(id));
+        let _ = (
+            block.stab_list(),
+            block.looks_like_a_dungeon(),
+            world.block_water(id),
+        );
         let mut starts: Vec<Position> = block
             .env_cells()
             .take(48)
             .map(|cell| {
-                let middle = cell.structure.bounds.map_or(Vec3::ZERO, |b| (b.min + b.max) * 0.5);
+                let middle = cell
+                    .structure
+                    .bounds
+                    .map_or(Vec3::ZERO, |b| (b.min + b.max) * 0.5);
                 Position::new(cell.id, cell.frame.local_to_global(middle))
             })
             .collect();
@@ -235,7 +266,9 @@ pub(crate) fn load_and_walk(world: &World, blocks: &[BlockId]) {
             let (x, y) = (f32::from((low - 1) / 8), f32::from((low - 1) % 8));
             let p = Vec3::new(x * 24.0 + 11.0, y * 24.0 + 13.0, 0.0);
             let cell = CellId::new(id, low);
-            let z = world.ground_at(cell, p).map_or(0.0, |ground| ground.z + ground.water_depth());
+            let z = world
+                .ground_at(cell, p)
+                .map_or(0.0, |ground| ground.z + ground.water_depth());
             starts.push(Position::new(cell, Vec3::new(p.x, p.y, z + 0.005)));
         }
         for building in &block.buildings {
@@ -263,7 +296,10 @@ struct Walker<'w> {
 impl Walker<'_> {
     fn visit(&mut self, at: &Position, turn: usize) {
         let world = self.world;
-        let spheres = [Sphere::new(at.origin() + Vec3::Z * 0.475, 0.48), Sphere::new(at.origin() + Vec3::Z * 1.35, 0.48)];
+        let spheres = [
+            Sphere::new(at.origin() + Vec3::Z * 0.475, 0.48),
+            Sphere::new(at.origin() + Vec3::Z * 1.35, 0.48),
+        ];
         let list = find_cell_list(world, at.cell, at.origin(), &spheres, &mut self.array, true);
         let entries: Vec<CellId> = self.array.entries().iter().map(|e| e.id).collect();
         for &cell in entries.iter().take(32) {
@@ -274,23 +310,52 @@ impl Walker<'_> {
         }
         let cell = list.containing.unwrap_or(at.cell);
         let _ = adjust_position(world, at, Vec3::Z * 0.475, turn.is_multiple_of(2));
-        let directions = [Vec3::X, Vec3::Y, -Vec3::X, -Vec3::Y, -Vec3::Z, Vec3::new(0.7, 0.7, 0.1)];
+        let directions = [
+            Vec3::X,
+            Vec3::Y,
+            -Vec3::X,
+            -Vec3::Y,
+            -Vec3::Z,
+            Vec3::new(0.7, 0.7, 0.1),
+        ];
         let mut from = Position { cell, ..*at };
         let mut carried = Carried::default();
         for step in 0..4 {
             let mut to = from;
             to.frame.origin += directions[(turn + step) % directions.len()] * 1.3;
-            let swept = sweep(world, &self.population, &mut self.scratch, &self.mover, &carried, &from, &to);
+            let swept = sweep(
+                world,
+                &self.population,
+                &mut self.scratch,
+                &self.mover,
+                &carried,
+                &from,
+                &to,
+            );
             if let Ok(swept) = swept
                 && swept.ok
                 && let Some(cell) = swept.cell
             {
-                assert!(swept.position.is_finite(), "a sweep from {from} to {to} ended nowhere");
-                from = Position { cell, ..swept.position };
+                assert!(
+                    swept.position.is_finite(),
+                    "a sweep from {from} to {to} ended nowhere"
+                );
+                from = Position {
+                    cell,
+                    ..swept.position
+                };
                 carried = swept.carried();
             }
         }
-        let _ = place(world, &self.population, &mut self.scratch, &self.mover, &from, true, true);
+        let _ = place(
+            world,
+            &self.population,
+            &mut self.scratch,
+            &self.mover,
+            &from,
+            true,
+            true,
+        );
         if turn.is_multiple_of(4) {
             self.step_bodies(&from);
         }
@@ -327,7 +392,13 @@ impl Walker<'_> {
         self.arena.clear();
         if let Some(openings) = self.openings.block(self.world, at.cell.block()) {
             let whole = [Region::new(&[])];
-            self.view.look_into_block(openings, &camera, whole.into_iter(), &mut self.look_ins, &mut self.arena);
+            self.view.look_into_block(
+                openings,
+                &camera,
+                whole.into_iter(),
+                &mut self.look_ins,
+                &mut self.arena,
+            );
         }
     }
 }
