@@ -9,6 +9,7 @@ use std::collections::BTreeSet;
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 use vestibule_dat::{DatSet, RecordKind};
+use vestibule_world::ids::block_offset;
 use vestibule_world::{BlockId, CellId, EnvCell, PortalTarget, Position, World};
 
 use crate::route::{self, Opening, PortalId, Steer, Steering};
@@ -34,6 +35,62 @@ pub struct TourOptions {
     pub stand_ticks: u32,
     /// Steps after which the tour ends, wherever it is.
     pub max_steps: usize,
+    /// Which cell the trail and the changes report.
+    pub membership: Membership,
+}
+
+/// Two ways of saying which cell a body is in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Membership {
+    /// Retail's: the cell that the last accepted sweep ended in.
+    #[default]
+    Sweep,
+    /// As other clients did: derived anew from where the body rests, see [`derive_cell`].
+    Static,
+}
+
+/// How often a way of saying which cell a body is in changed its mind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct MembershipCount {
+    /// Changes of cell.
+    pub changes: usize,
+    /// Changes that were taken back within a tenth of a second: flicker.
+    pub flickers: usize,
+    /// Changes while the body stood still.
+    pub while_standing: usize,
+    /// Ticks with another cell than the sweep says.
+    pub ticks_off: usize,
+    #[serde(skip)]
+    last: Option<(CellId, CellId, usize)>,
+    #[serde(skip)]
+    now: Option<CellId>,
+}
+
+/// Ticks within which a change that is taken back counts as flicker.
+const FLICKER_TICKS: usize = 3;
+
+impl MembershipCount {
+    fn count(&mut self, cell: CellId, swept: CellId, tick: usize, standing: bool, teleported: bool) {
+        self.ticks_off += usize::from(cell != swept);
+        let before = self.now.replace(cell);
+        let Some(before) = before.filter(|&before| before != cell && !teleported) else { return };
+        self.changes += 1;
+        self.while_standing += usize::from(standing);
+        let back = self.last.is_some_and(|(from, to, at)| from == cell && to == before && tick - at <= FLICKER_TICKS);
+        self.flickers += usize::from(back);
+        self.last = Some((before, cell, tick));
+    }
+}
+
+/// The cell of a resting position without regard to where the body came from: the first env cell of its landblock that
+/// holds its foot point, else the land cell under it. This is how other clients said it; retail does not.
+pub fn derive_cell(world: &World, at: &Position) -> CellId {
+    let inside = world.block(at.cell.block()).and_then(|block| {
+        let found = block.env_cells().find(|cell| cell.contains_point(at.origin()));
+        found.map(|cell| cell.id)
+    });
+    let outside = || at.cell.adjust_to_outside(at.origin()).map(|(cell, _)| cell);
+    inside.or_else(outside).unwrap_or(at.cell)
 }
 
 impl Default for TourOptions {
@@ -43,6 +100,7 @@ impl Default for TourOptions {
             radius: 1,
             stand_ticks: 100,
             max_steps: 3_000_000,
+            membership: Membership::Sweep,
         }
     }
 }
@@ -136,6 +194,10 @@ pub struct TourSummary {
     pub changes_while_standing: usize,
     /// Ticks while standing at which a fresh look-up, seeded from the player's cell, named another cell.
     pub look_ups_that_differ: usize,
+    /// Membership by the sweep, counted.
+    pub by_sweep: MembershipCount,
+    /// Membership derived from the resting position, counted on the same walk.
+    pub by_position: MembershipCount,
     /// Steps, standing included.
     pub steps: usize,
     /// Metres walked.
@@ -182,6 +244,7 @@ pub struct Tour<'w, 'o> {
     done: BTreeSet<PortalId>,
     visited: BTreeSet<CellId>,
     drops: Vec<(Footing, Opening)>,
+    teleported: bool,
 }
 
 impl<'w, 'o> Tour<'w, 'o> {
@@ -221,6 +284,7 @@ impl<'w, 'o> Tour<'w, 'o> {
             done: BTreeSet::new(),
             visited: BTreeSet::new(),
             drops: Vec::new(),
+            teleported: false,
         };
         tour.record(false);
         if footing.at.cell.is_indoor() {
@@ -310,7 +374,7 @@ impl<'w, 'o> Tour<'w, 'o> {
             openings: self.openings_of(cell),
             way_in: None,
         }];
-        self.walk_to_the_middle(cell);
+        self.go_to_the_middle(cell);
         while self.summary.ended_early.is_none() {
             let Some(level) = levels.last_mut() else { break };
             let Some(opening) = level.openings.pop() else {
@@ -356,7 +420,7 @@ impl<'w, 'o> Tour<'w, 'o> {
             }
             match opening.to {
                 PortalTarget::Cell(other) if self.visited.insert(other) => {
-                    self.walk_to_the_middle(other);
+                    self.go_to_the_middle(other);
                     let way_in = Some((opening, before));
                     levels.push(Level {
                         openings: self.openings_of(other),
@@ -445,8 +509,9 @@ impl<'w, 'o> Tour<'w, 'o> {
         let before = self.footing;
         self.footing = to;
         self.summary.teleports += 1;
+        self.teleported = true;
         self.record(false);
-        if before.at.cell != to.at.cell {
+        if before.at.cell != to.at.cell && self.options.membership == Membership::Sweep {
             let change = self.change(&before, "teleport".to_owned(), false, false);
             (self.on_change)(&change);
         }
@@ -472,7 +537,7 @@ impl<'w, 'o> Tour<'w, 'o> {
     }
 
     /// Some steps into a cell, towards the middle of its floor, if nothing is in the way.
-    fn walk_to_the_middle(&mut self, id: CellId) {
+    fn go_to_the_middle(&mut self, id: CellId) {
         let world = self.walker.world();
         let Some(bounds) = world.env_cell(id).and_then(|cell| {
             let bounds = cell.structure.bounds?;
@@ -562,8 +627,10 @@ impl<'w, 'o> Tour<'w, 'o> {
         });
         self.summary.transitions += 1;
         self.summary.through_portals += usize::from(portal);
-        let change = self.change(before, by, portal, standing);
-        (self.on_change)(&change);
+        if self.options.membership == Membership::Sweep {
+            let change = self.change(before, by, portal, standing);
+            (self.on_change)(&change);
+        }
         portal
     }
 
@@ -584,15 +651,34 @@ impl<'w, 'o> Tour<'w, 'o> {
     }
 
     fn record(&mut self, standing: bool) {
-        let at = &self.footing.at;
+        let at = self.footing.at;
         self.entered.insert(at.cell);
-        let t = self.trail.len() as f32 * TICK;
-        self.trail.push(TrailStep {
-            t,
-            cell: at.cell,
-            pos: at.origin(),
-            standing,
-        });
+        let tick = self.trail.len();
+        let derived = derive_cell(self.walker.world(), &at);
+        let teleported = std::mem::take(&mut self.teleported);
+        self.summary.by_sweep.count(at.cell, at.cell, tick, standing, teleported);
+        let before = self.summary.by_position.now;
+        self.summary.by_position.count(derived, at.cell, tick, standing, teleported);
+        let is_static = self.options.membership == Membership::Static;
+        let (cell, pos) = if is_static {
+            (derived, at.origin() - block_offset(at.cell.block(), derived.block()))
+        } else {
+            (at.cell, at.origin())
+        };
+        self.trail.push(TrailStep { t: tick as f32 * TICK, cell, pos, standing });
+        if let Some(before) = before.filter(|&before| is_static && before != derived) {
+            let by = if teleported { "teleport" } else { "derived from the resting position" };
+            let change = Change {
+                t: self.time(),
+                position: short(&Position::new(cell, pos)),
+                from: before.to_string(),
+                to: cell.to_string(),
+                by: by.to_owned(),
+                portal: false,
+                standing,
+            };
+            (self.on_change)(&change);
+        }
         (self.on_step)(self.trail.len());
         if self.trail.len() > self.options.max_steps {
             self.end(format!("{} steps are enough", self.options.max_steps));
