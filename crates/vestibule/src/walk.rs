@@ -90,6 +90,7 @@ fn step_of(footing: &Footing, ticks: usize) -> TrailStep {
         cell: at.cell,
         pos: at.origin(),
         standing: false,
+        teleported: false,
     }
 }
 
@@ -265,6 +266,7 @@ impl<'w> Run<'w> {
             cell,
             pos,
             standing: false,
+            teleported: false,
         });
     }
 

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use serde_json::json;
 use vestibule::map_svg::{TrailPoint, plan};
-use vestibule::tour::{Change, Membership, MembershipCount, Tour, TourOptions, TourSummary, TrailStep};
+use vestibule::tour::{Change, Membership, MembershipCount, Tour, TourOptions, TourRecord, TourSummary, TrailStep, write_trail};
 use vestibule::world::{BlockId, World};
 
 use super::place::{Place, parse_place};
@@ -46,6 +46,12 @@ pub(crate) struct Args {
     /// How the cell is told: by the sweep as in retail, or derived from the resting position as other clients did
     #[arg(long, value_enum, default_value_t = MembershipArg::Sweep)]
     membership: MembershipArg,
+    /// Do not run into things after the walk
+    #[arg(long)]
+    no_trials: bool,
+    /// Do not look through the chase camera, which takes half of the time
+    #[arg(long)]
+    no_look: bool,
     /// Folder for trail.jsonl and map.svg
     #[arg(short, long, value_name = "DIR", default_value = "tour")]
     out: PathBuf,
@@ -72,6 +78,8 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
             MembershipArg::Sweep => Membership::Sweep,
             MembershipArg::Static => Membership::Static,
         },
+        trials: !args.no_trials,
+        look: !args.no_look,
     };
     let mut changes: Vec<Change> = Vec::new();
     let mut broken: Option<std::io::Error> = None;
@@ -103,17 +111,18 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     if let Some(error) = broken {
         return Err(error.into());
     }
-    let (trail, summary) =
+    let record =
         result.map_err(|e| hinted(e, "--start takes a position as `vestibule where` explains them"))?;
     std::fs::create_dir_all(&args.out).with_context(|| format!("cannot create {}", args.out.display()))?;
     let trail_path = args.out.join("trail.jsonl");
-    write_trail(&trail, &trail_path)?;
+    write_trail_file(&record, &trail_path)?;
+    let (trail, summary) = (&record.trail, &record.summary);
     let mut written = vec![trail_path];
-    written.extend(write_maps(&world, &trail, &args.out)?);
+    written.extend(write_maps(&world, trail, &args.out)?);
     if json {
         context.print_json(&json!({ "changes": changes, "summary": summary, "written": written }))?;
     } else {
-        print_summary(&summary, context)?;
+        print_summary(summary, context)?;
         for path in &written {
             writeln!(context.out, "written {}", path.display())?;
         }
@@ -263,13 +272,10 @@ fn write_maps(world: &World, trail: &[TrailStep], folder: &std::path::Path) -> a
     Ok(written)
 }
 
-fn write_trail(trail: &[TrailStep], path: &std::path::Path) -> anyhow::Result<()> {
+fn write_trail_file(record: &TourRecord, path: &std::path::Path) -> anyhow::Result<()> {
     let write = || -> std::io::Result<()> {
         let mut file = BufWriter::new(File::create(path)?);
-        for step in trail {
-            serde_json::to_writer(&mut file, step)?;
-            writeln!(file)?;
-        }
+        write_trail(record, &mut file)?;
         file.flush()
     };
     write().with_context(|| format!("cannot write {}", path.display()))
