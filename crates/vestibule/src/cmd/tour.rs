@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use serde_json::json;
 use vestibule::map_svg::{TrailPoint, plan};
-use vestibule::tour::{Change, Tour, TourOptions, TourSummary, TrailStep};
+use vestibule::tour::{Change, Membership, MembershipCount, Tour, TourOptions, TourRecord, TourSummary, TrailStep, write_trail};
 use vestibule::world::{BlockId, World};
 
 use super::place::{Place, parse_place};
@@ -25,6 +25,7 @@ Examples:
   vestibule tour
   vestibule tour --dat ~/ac --start 42.1N,33.6E
   vestibule tour --start \"0xA9B40101 [155.4 14.2 94.005]\" --out indoors
+  vestibule tour --membership static --out derived
   vestibule tour --json
 
 Writes trail.jsonl (one object a step: t, cell, pos) and map.svg to the folder of --out.
@@ -42,9 +43,26 @@ pub(crate) struct Args {
     /// Stop after this many steps
     #[arg(long, value_name = "N", default_value_t = 3_000_000)]
     max_steps: usize,
+    /// How the cell is told: by the sweep as in retail, or derived from the resting position as other clients did
+    #[arg(long, value_enum, default_value_t = MembershipArg::Sweep)]
+    membership: MembershipArg,
+    /// Do not run into things after the walk
+    #[arg(long)]
+    no_trials: bool,
+    /// Do not look through the chase camera, which takes half of the time
+    #[arg(long)]
+    no_look: bool,
     /// Folder for trail.jsonl and map.svg
     #[arg(short, long, value_name = "DIR", default_value = "tour")]
     out: PathBuf,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum MembershipArg {
+    /// The cell that the last accepted sweep ended in
+    Sweep,
+    /// The first cell that holds the foot point
+    Static,
 }
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
@@ -56,6 +74,12 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         radius: args.radius,
         stand_ticks: args.stand,
         max_steps: args.max_steps,
+        membership: match args.membership {
+            MembershipArg::Sweep => Membership::Sweep,
+            MembershipArg::Static => Membership::Static,
+        },
+        trials: !args.no_trials,
+        look: !args.no_look,
     };
     let mut changes: Vec<Change> = Vec::new();
     let mut broken: Option<std::io::Error> = None;
@@ -87,17 +111,18 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     if let Some(error) = broken {
         return Err(error.into());
     }
-    let (trail, summary) =
+    let record =
         result.map_err(|e| hinted(e, "--start takes a position as `vestibule where` explains them"))?;
     std::fs::create_dir_all(&args.out).with_context(|| format!("cannot create {}", args.out.display()))?;
     let trail_path = args.out.join("trail.jsonl");
-    write_trail(&trail, &trail_path)?;
+    write_trail_file(&record, &trail_path)?;
+    let (trail, summary) = (&record.trail, &record.summary);
     let mut written = vec![trail_path];
-    written.extend(write_maps(&world, &trail, &args.out)?);
+    written.extend(write_maps(&world, trail, &args.out)?);
     if json {
         context.print_json(&json!({ "changes": changes, "summary": summary, "written": written }))?;
     } else {
-        print_summary(&summary, context)?;
+        print_summary(summary, context)?;
         for path in &written {
             writeln!(context.out, "written {}", path.display())?;
         }
@@ -150,6 +175,15 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
         count(summary.doorways, "doorway"),
         summary.changes_while_standing
     )?;
+    let mut counts = |title: &str, what: &str, n: &MembershipCount| {
+        writeln!(
+            out,
+            "{head}{title:<13}{head:#}{what}: {} changes, {} taken back at once, {} while standing, {} ticks in another cell",
+            n.changes, n.flickers, n.while_standing, n.ticks_off
+        )
+    };
+    counts("membership", "by the sweep", &summary.by_sweep)?;
+    counts("", "by resting position", &summary.by_position)?;
     writeln!(
         out,
         "{head}walked{head:#}       {:.1} m in {:.1} s, {}",
@@ -238,13 +272,10 @@ fn write_maps(world: &World, trail: &[TrailStep], folder: &std::path::Path) -> a
     Ok(written)
 }
 
-fn write_trail(trail: &[TrailStep], path: &std::path::Path) -> anyhow::Result<()> {
+fn write_trail_file(record: &TourRecord, path: &std::path::Path) -> anyhow::Result<()> {
     let write = || -> std::io::Result<()> {
         let mut file = BufWriter::new(File::create(path)?);
-        for step in trail {
-            serde_json::to_writer(&mut file, step)?;
-            writeln!(file)?;
-        }
+        write_trail(record, &mut file)?;
         file.flush()
     };
     write().with_context(|| format!("cannot write {}", path.display()))
