@@ -73,6 +73,8 @@ mod polygon;
 mod population;
 #[cfg(test)]
 mod rig;
+#[cfg(test)]
+mod rules;
 pub mod save;
 mod set_position;
 mod settings;

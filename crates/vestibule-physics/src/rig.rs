@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use vestibule_dat::record::Stab;
 use vestibule_world::{CellId, CylSphere, Plane, Position, Shape, Sphere, World};
 
@@ -45,6 +45,23 @@ pub(crate) fn wall_facing_west(x: f32, y: [f32; 2], z: [f32; 2]) -> Vec<Vec3> {
     vec![at(y[0], z[0]), at(y[0], z[1]), at(y[1], z[1]), at(y[1], z[0])]
 }
 
+/// A static object with these polygons, given in the coordinates of the landblock.
+pub(crate) fn add_faces(builder: &mut records::Builder, center: Vec3, rotation: Quat, faces: &[Vec<Vec3>]) {
+    let model = 0x0100_0002;
+    let local: Vec<Vec<Vec3>> = faces
+        .iter()
+        .map(|f| f.iter().map(|p| rotation.inverse() * (*p - center)).collect())
+        .collect();
+    builder.model(model, &local, true);
+    builder.info.objects.push(Stab {
+        id: model,
+        frame: vestibule_dat::primitive::Frame {
+            origin: center,
+            rotation,
+        },
+    });
+}
+
 impl Rig {
     /// Flat ground at z = 0.
     pub(crate) fn flat() -> Self {
@@ -55,21 +72,16 @@ impl Rig {
     pub(crate) fn with_faces(faces: &[Vec<Vec3>]) -> Self {
         let mut builder = records::Builder::new(BLOCK);
         if !faces.is_empty() {
-            let model = 0x0100_0002;
-            let center = Vec3::new(12.0, 12.0, 0.0);
-            let local: Vec<Vec<Vec3>> = faces
-                .iter()
-                .map(|f| f.iter().map(|p| *p - center).collect())
-                .collect();
-            builder.model(model, &local, true);
-            builder.info.objects.push(Stab {
-                id: model,
-                frame: vestibule_dat::primitive::Frame {
-                    origin: center,
-                    ..Default::default()
-                },
-            });
+            add_faces(&mut builder, v(12.0, 12.0, 0.0), Quat::IDENTITY, faces);
         }
+        Self::of(builder)
+    }
+
+    /// The same with a landblock to the east, and an object whose own frame is at `center`, turned by `rotation`.
+    pub(crate) fn with_turned_faces(center: Vec3, rotation: Quat, faces: &[Vec<Vec3>]) -> Self {
+        let mut builder = records::Builder::new(BLOCK);
+        builder.flat_block(0xAAB4);
+        add_faces(&mut builder, center, rotation, faces);
         Self::of(builder)
     }
 
@@ -96,19 +108,7 @@ impl Rig {
             roof,
         ];
         let mut builder = records::Builder::new(BLOCK);
-        let center = v(12.0, 12.0, 0.0);
-        let local: Vec<Vec<Vec3>> = faces
-            .iter()
-            .map(|f| f.iter().map(|p| *p - center).collect())
-            .collect();
-        builder.model(0x0100_0002, &local, true);
-        builder.info.objects.push(Stab {
-            id: 0x0100_0002,
-            frame: vestibule_dat::primitive::Frame {
-                origin: center,
-                ..Default::default()
-            },
-        });
+        add_faces(&mut builder, v(12.0, 12.0, 0.0), Quat::IDENTITY, &faces);
         // The house: rooms 18..22 and 22..26 on x, 18..23 on y, a door to the south.
         let door = [
             [19.0, 18.0, 0.0],
