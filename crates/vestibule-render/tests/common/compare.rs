@@ -81,6 +81,9 @@ pub fn compare_with_oracle(
             out.clear_disputed += usize::from(disputed && shown == PixelId::BACKGROUND);
             if disputed {
                 out.disputed += 1;
+                if std::env::var_os("DISPUTED").is_some() {
+                    report(x, y, shown, truth.id);
+                }
             } else if met {
                 out.at_edges += 1;
             } else if !uniform {

@@ -49,6 +49,10 @@ fn distance(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     };
     let edges = on_edge(a, b).min(on_edge(b, c)).min(on_edge(c, a));
     let n = (b - a).cross(c - a).normalize_or_zero();
+    if n == Vec3::ZERO {
+        // Three corners in a line, where a wall's edge is divided.
+        return edges;
+    }
     let inside = [(a, b), (b, c), (c, a)]
         .iter()
         .all(|&(a, b)| n.dot((b - a).cross(p - a)) >= 0.0);
@@ -238,6 +242,9 @@ impl Stage {
                     let t = [c[0], c[k], c[k + 1]].map(|v| v.position);
                     let d = distance(local, t);
                     let n = (t[1] - t[0]).cross(t[2] - t[0]);
+                    if n.length_squared() < 1e-12 {
+                        continue;
+                    }
                     let front = n.dot(local - t[0]) > 0.0;
                     if best.is_none_or(|(b, _)| d < b) {
                         best = Some((d, front));

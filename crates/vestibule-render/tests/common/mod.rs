@@ -5,7 +5,9 @@
 mod compare;
 mod eyes;
 mod stage;
+mod walk;
 
 pub use compare::{Difference, compare, compare_with_oracle};
 pub use eyes::{Random, Rooms, mixed_camera, outdoor_eye};
-pub use stage::{Stage, camera};
+pub use stage::{Stage, camera, hollow_records};
+pub use walk::{Threshold, Walk, Walked, flash, thresholds, walk};

@@ -2,11 +2,18 @@
 
 use glam::{Vec2, Vec3};
 use vestibule_dat::DatSet;
+use vestibule_forge::CompiledWorld;
 use vestibule_render::{
     Assets, Everything, IdImage, Oracle, RenderSettings, Scene, render_everything_ids, render_ids,
 };
 use vestibule_view::{Camera, FrameInput, FrameSettings, FrameView, Openings, WorldObjects};
-use vestibule_world::{BlockId, CellId, World};
+use vestibule_world::{BlockId, CellId, MemoryRecords, RecordSource as _, Store, World};
+
+/// The records of the built-in world, compiled once.
+pub fn hollow_records() -> &'static CompiledWorld {
+    static COMPILED: std::sync::OnceLock<CompiledWorld> = std::sync::OnceLock::new();
+    COMPILED.get_or_init(|| vestibule_forge::embedded_world().unwrap())
+}
 
 /// A world with everything drawing it needs.
 pub struct Stage {
@@ -36,13 +43,30 @@ impl Stage {
 
     /// The built-in world, with the names of its cells.
     pub fn hollow(block: u16) -> (Self, std::collections::BTreeMap<CellId, String>) {
-        let compiled = vestibule_forge::embedded_world().unwrap();
+        (Self::edited(block, |_| {}), hollow_records().cell_names.clone())
+    }
+
+    /// The built-in world with other records.
+    pub fn edited(block: u16, edit: impl FnOnce(&mut MemoryRecords)) -> Self {
+        let mut records = hollow_records().memory_records();
+        edit(&mut records);
+        Stage::new(World::open(records).unwrap(), BlockId(block))
+    }
+
+    /// A scene of one landblock.
+    pub fn scene_text(block: u16, text: &str) -> (Self, CompiledWorld) {
+        let compiled = vestibule_forge::compile_scene("test", text).unwrap_or_else(|e| panic!("{e}"));
         let world = World::open(compiled.memory_records()).unwrap();
-        (Stage::new(world, BlockId(block)), compiled.cell_names)
+        (Stage::new(world, BlockId(block)), compiled)
     }
 
     /// A world of the test vectors; `None`, with a notice, where they are absent.
     pub fn vectors(name: &str) -> Option<Self> {
+        Self::vectors_edited(name, |_| {})
+    }
+
+    /// A world of the test vectors with other records.
+    pub fn vectors_edited(name: &str, edit: impl FnOnce(&mut MemoryRecords)) -> Option<Self> {
         let folder =
             concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors/worlds/").to_owned() + name;
         if !std::path::Path::new(&folder).is_dir() {
@@ -51,11 +75,20 @@ impl Stage {
             return None;
         }
         let dats = DatSet::open(&folder).unwrap();
-        let mut ids = dats.cell().iter().map(|e| e.unwrap().id);
-        let first = ids.find(|id| id & 0xFFFF == 0x0100);
-        drop(ids);
-        let block = BlockId((first.unwrap() >> 16) as u16);
-        Some(Stage::new(World::open(dats).unwrap(), block))
+        let mut records = MemoryRecords::new();
+        let mut block = None;
+        for (store, file) in [(Store::Cell, dats.cell()), (Store::Portal, dats.portal())] {
+            for entry in file.iter() {
+                let id = entry.unwrap().id;
+                let bytes = dats.record(store, id).unwrap().unwrap().into_owned();
+                if store == Store::Cell && id & 0xFFFF == 0x0100 {
+                    block = block.or(Some(BlockId((id >> 16) as u16)));
+                }
+                records.insert(store, id, bytes);
+            }
+        }
+        edit(&mut records);
+        Some(Stage::new(World::open(records).unwrap(), block.unwrap()))
     }
 
     pub fn update(&mut self, camera: Camera) {
