@@ -1,0 +1,3 @@
+//! Rules of `transition.md` one by one, by section.
+
+mod edges;
