@@ -167,6 +167,11 @@ impl<'w> Walker<'w> {
                     ..swept.position
                 };
                 next.carried = swept.carried();
+                // The head met a ceiling: what is left of the jump is spent.
+                let rose = next.at.origin().z - from.at.origin().z;
+                if wanted.z > 0.0 && rose < 0.5 * wanted.z {
+                    next.rise = 0.0;
+                }
                 next
             }
             _ => next,

@@ -3,22 +3,30 @@
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
+use std::sync::Mutex;
+use std::time::Instant;
 
 use anyhow::Context as _;
 use serde_json::json;
 use vestibule::map_svg::{TrailPoint, plan};
-use vestibule::tour::{Change, Membership, MembershipCount, Tour, TourOptions, TourRecord, TourSummary, TrailStep, write_trail};
+use vestibule::film;
+use vestibule::render::write_apng;
+use vestibule::studio::Studio;
+use vestibule::tour::{Guide, Trial, Change, Membership, MembershipCount, Seen, Tour, TourOptions, TourRecord, TourSummary, TrailStep, write_trail};
 use vestibule::world::{BlockId, World};
 
 use super::place::{Place, parse_place};
-use crate::ui::{Context, Failed, Progress, count, hinted, style};
+use super::render::parse_size;
+use crate::ui::{Align, Context, Failed, Progress, Table, count, hinted, style};
 
 /// Walk through every cell that can be reached on foot, and print each change of cell
 ///
 /// The route is planned from the world itself, so it works on any DAT files: from a meadow to the nearest entrance,
 /// through every opening behind it and back, then to the next entrance; in a dungeon, from its first cell through all
 /// others. Steps are 5 cm. The player's cell is what the sweep carries it into and is never derived from where it
-/// rests; in every doorway the player stands still for 100 ticks to show that it does not change.
+/// rests; in every doorway the player stands still for 100 ticks to show that it does not change. Then it runs into
+/// everything: walls, stairs, ramps, an edge, a pit, a door that is shut and then open, a ridge too steep to walk, and is
+/// teleported to a dungeon. What deriving the cell from the resting position would have said is counted beside it.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -26,10 +34,15 @@ Examples:
   vestibule tour --dat ~/ac --start 42.1N,33.6E
   vestibule tour --start \"0xA9B40101 [155.4 14.2 94.005]\" --out indoors
   vestibule tour --membership static --out derived
+  vestibule tour --film tour.png
   vestibule tour --json
 
-Writes trail.jsonl (one object a step: t, cell, pos) and map.svg to the folder of --out.
-Exit code 1 if the cell changed while standing.")]
+Writes to the folder of --out:
+  trail.jsonl    one object a tick: t, cell, pos; of the camera viewer (its cell) and eye, and rooms (the draw list)
+                 whenever it is another
+  map.svg        the way from above; map-XXXX.svg for further landblocks
+  filmstrip.png  every threshold: before, as the player crosses, as the camera has followed
+Exit code 1 if the cell changed while standing, or a trial did not go as expected.")]
 pub(crate) struct Args {
     /// Where to start: a position or map coordinates [default: before the first entrance found]
     #[arg(long, value_name = "POS", value_parser = parse_place)]
@@ -52,7 +65,16 @@ pub(crate) struct Args {
     /// Do not look through the chase camera, which takes half of the time
     #[arg(long)]
     no_look: bool,
-    /// Folder for trail.jsonl and map.svg
+    /// Do not draw filmstrip.png
+    #[arg(long)]
+    no_pictures: bool,
+    /// Write a film of the tour, an animated PNG that browsers show
+    #[arg(long, value_name = "FILE.png", conflicts_with = "no_look")]
+    film: Option<PathBuf>,
+    /// Size of the film, pixels
+    #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "240x180", requires = "film")]
+    film_size: (u32, u32),
+    /// Folder for the trail, maps and pictures
     #[arg(short, long, value_name = "DIR", default_value = "tour")]
     out: PathBuf,
 }
@@ -66,6 +88,7 @@ enum MembershipArg {
 }
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
+    let begun = Instant::now();
     let dats = context.dats()?;
     let world = World::open(dats.clone())?;
     let start = args.start.map(|place| place.position(&world)).transpose()?;
@@ -119,6 +142,7 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let (trail, summary) = (&record.trail, &record.summary);
     let mut written = vec![trail_path];
     written.extend(write_maps(&world, trail, &args.out)?);
+    written.extend(write_pictures(&world, &Guide::of(&dats), &record, args)?);
     if json {
         context.print_json(&json!({ "changes": changes, "summary": summary, "written": written }))?;
     } else {
@@ -126,11 +150,13 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         for path in &written {
             writeln!(context.out, "written {}", path.display())?;
         }
+        writeln!(context.out, "{}in {:.1} s{:#}", style::DIM, begun.elapsed().as_secs_f64(), style::DIM)?;
         for problem in world.problems() {
             anstream::eprintln!("{}warning{:#}: {problem}", style::WARN, style::WARN);
         }
     }
-    if summary.changes_while_standing > 0 {
+    let failed = summary.trials.iter().any(|trial| trial.passed == Some(false));
+    if summary.changes_while_standing > 0 || failed {
         Err(Failed.into())
     } else {
         Ok(())
@@ -175,15 +201,8 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
         count(summary.doorways, "doorway"),
         summary.changes_while_standing
     )?;
-    let mut counts = |title: &str, what: &str, n: &MembershipCount| {
-        writeln!(
-            out,
-            "{head}{title:<13}{head:#}{what}: {} changes, {} taken back at once, {} while standing, {} ticks in another cell",
-            n.changes, n.flickers, n.while_standing, n.ticks_off
-        )
-    };
-    counts("membership", "by the sweep", &summary.by_sweep)?;
-    counts("", "by resting position", &summary.by_position)?;
+    print_membership(summary, context)?;
+    let out = &mut context.out;
     writeln!(
         out,
         "{head}walked{head:#}       {:.1} m in {:.1} s, {}",
@@ -232,9 +251,95 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
         let more = if summary.not_entered.len() > 8 { " ..." } else { "" };
         writeln!(out, "{head}not entered{head:#}  {}{more}", shown.join(" "))?;
     }
+    if let Some(seen) = &summary.seen {
+        print_seen(seen, out)?;
+    }
     if let Some(why) = &summary.ended_early {
         writeln!(out, "{}ended early{:#}  {why}", style::WARN, style::WARN)?;
     }
+    print_trials(&summary.trials, out)
+}
+
+/// Both ways of telling the cell, side by side.
+fn print_membership(summary: &TourSummary, context: &mut Context) -> anyhow::Result<()> {
+    let out = &mut context.out;
+    let (sweep, derived) = (&summary.by_sweep, &summary.by_position);
+    let mut table = Table::new(&[
+        ("membership", Align::Left),
+        ("by sweep", Align::Right),
+        ("static", Align::Right),
+    ]);
+    let ticks = |n: &MembershipCount| format!("{} of {}", n.ticks_off, summary.steps);
+    for (what, a, b) in [
+        ("  changes of cell", sweep.changes.to_string(), derived.changes.to_string()),
+        ("  flickers", sweep.flickers.to_string(), derived.flickers.to_string()),
+        ("  changes through walls or floors", sweep.through_walls.to_string(), derived.through_walls.to_string()),
+        ("  ticks in another cell than the sweep's", ticks(sweep), ticks(derived)),
+    ] {
+        table.row([what.to_owned(), a, b]);
+    }
+    table.write(out)?;
+    let dim = style::DIM;
+    for d in summary.disagreements.iter().take(5) {
+        let [x, y, z] = d.first_at;
+        writeln!(
+            out,
+            "    {dim}{:>4} ticks in {} were {} to static, first at [{x:.2} {y:.2} {z:.2}]{dim:#}",
+            d.ticks, d.cell, d.derived
+        )?;
+    }
+    if summary.disagreements.len() > 5 {
+        writeln!(out, "    {dim}... and {} more pairs (--json lists them){dim:#}", summary.disagreements.len() - 5)?;
+    }
+    Ok(())
+}
+
+fn print_seen(seen: &Seen, out: &mut impl Write) -> anyhow::Result<()> {
+    let head = style::HEAD;
+    writeln!(
+        out,
+        "{head}seen{head:#}         {} to {} rooms a tick, {} in the median, {} draw lists; the landscape in {} of {} ticks",
+        seen.rooms_min, seen.rooms_max, seen.rooms_median, seen.lists, seen.with_outside, seen.ticks
+    )?;
+    writeln!(
+        out,
+        "{head}camera{head:#}       in another cell than the player for {} ticks, on the other side of a wall to outdoors \
+         for {}, in none for {}",
+        seen.viewer_elsewhere, seen.viewer_on_other_side, seen.viewer_lost
+    )?;
+    if seen.landscape_in_sealed > 0 {
+        let bad = style::BAD;
+        writeln!(out, "{bad}landscape drawn in sealed rooms: {} ticks{bad:#}", seen.landscape_in_sealed)?;
+    }
+    Ok(())
+}
+
+fn print_trials(trials: &[Trial], out: &mut impl Write) -> anyhow::Result<()> {
+    if trials.is_empty() {
+        return Ok(());
+    }
+    writeln!(out)?;
+    let mut table = Table::new(&[
+        ("", Align::Left),
+        ("trial", Align::Left),
+        ("expected", Align::Left),
+        ("outcome", Align::Left),
+        ("cell", Align::Left),
+    ]);
+    for trial in trials {
+        let mark = match trial.passed {
+            Some(true) => "ok",
+            Some(false) => "NO",
+            None => "-",
+        };
+        let cell = if trial.passed.is_none() { String::new() } else { trial.cell.clone() };
+        table.row([mark.to_owned(), trial.trial.clone(), trial.expected.clone(), trial.outcome.clone(), cell]);
+    }
+    table.write(out)?;
+    let tried = trials.iter().filter(|trial| trial.passed.is_some()).count();
+    let good = trials.iter().filter(|trial| trial.passed == Some(true)).count();
+    let style = if good == tried { style::GOOD } else { style::BAD };
+    writeln!(out, "{style}trials: {good} of {tried} as expected{style:#}\n")?;
     Ok(())
 }
 
@@ -270,6 +375,45 @@ fn write_maps(world: &World, trail: &[TrailStep], folder: &std::path::Path) -> a
         written.push(path);
     }
     Ok(written)
+}
+
+/// The filmstrip, and the film if one is wanted.
+fn write_pictures(
+    world: &World,
+    guide: &Option<Guide>,
+    record: &TourRecord,
+    args: &Args,
+) -> anyhow::Result<Vec<PathBuf>> {
+    let mut written = Vec::new();
+    if record.eyes.is_empty() {
+        return Ok(written);
+    }
+    let studio = Studio::new(world);
+    let shown = film::thresholds(record).len().min(film::MAX_THRESHOLDS);
+    if !args.no_pictures && shown > 0 {
+        let progress = Mutex::new(Progress::new("pictures", shown as u64 * 3));
+        let strip = film::strip(&studio, record, guide.as_ref(), &|done| advance(&progress, done))?;
+        let path = args.out.join("filmstrip.png");
+        super::render::write(&strip, &path)?;
+        written.push(path);
+    }
+    if let Some(path) = &args.film {
+        let count = film::film_ticks(record).len() as u64;
+        let progress = Mutex::new(Progress::new("pictures of the film", count));
+        let images = film::film(&studio, record, guide.as_ref(), args.film_size, &|done| advance(&progress, done))?;
+        drop(progress);
+        let mut bytes = Vec::new();
+        write_apng(&images, film::FILM_DELAY_MS, &mut bytes)?;
+        super::write_whole(path, &bytes).with_context(|| format!("cannot write {}", path.display()))?;
+        written.push(path.clone());
+    }
+    Ok(written)
+}
+
+fn advance(progress: &Mutex<Progress>, done: usize) {
+    if let Ok(mut progress) = progress.lock() {
+        progress.set(done as u64);
+    }
 }
 
 fn write_trail_file(record: &TourRecord, path: &std::path::Path) -> anyhow::Result<()> {

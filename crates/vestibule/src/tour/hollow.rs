@@ -54,7 +54,9 @@ impl Tour<'_, '_> {
             |tour| {
                 let walked = tour.push(Vec2::Y * PACE, 90);
                 let gone = walked.along(Vec2::Y);
-                let short = (gone - (7.65 - 5.5 - REACH)).abs() < 0.02;
+                // The last step, which would have gone in, is not taken.
+                let left = (7.65 - 5.5 - REACH) - gone;
+                let short = left > -0.001 && left < PACE;
                 (short && walked.stopped && walked.one_cell(), format!("stopped after {gone:.2} m"))
             },
         );
@@ -106,10 +108,11 @@ impl Tour<'_, '_> {
         self.attempt(
             "stairs, up",
             "climbs 2.8 m into the loft",
-            inside("cottage.hall", cottage(9.55, -4.3, 0.01)),
+            inside("cottage.hall", cottage(9.4, -6.2, 0.01)),
             |tour| {
-                let top = tour.routes(cottage(3.5, -4.3, 2.8));
-                let walked = tour.walk_to(top, 200);
+                let [foot, top] = [(9.4, 0.0), (3.5, 2.8)].map(|(x, z)| tour.routes(cottage(x, -4.3, z)));
+                let walked = tour.walk_to(foot, 60);
+                let walked = walked.then(tour.walk_to(top, 200));
                 let up = walked.rise();
                 ((up - 2.8).abs() < 0.05 && ends_in(tour, "cottage.loft"), format!("climbed {up:.2} m"))
             },
@@ -151,20 +154,24 @@ impl Tour<'_, '_> {
                 )
             },
         );
-        self.attempt(
-            "pit, over the edge of the bridge",
-            "falls 6 m and stands at the bottom",
-            inside("mine.pit", mine(0.0, 12.0, -4.99)),
-            |tour| {
-                let walked = tour.push(Vec2::Y * PACE, 12).then(tour.land(Vec2::ZERO));
-                let fell = -walked.rise();
-                let name = guide.name(tour.footing.at.cell);
-                (
-                    (fell - 6.0).abs() < 0.05 && tour.footing.is_standing() && name.starts_with("mine.pit"),
-                    format!("fell {fell:.2} m"),
-                )
-            },
-        );
+        let bridge = inside("mine.pit", mine(0.0, 12.0, -4.99));
+        self.attempt("edge of a bridge, walking", "is held at the edge", bridge, |tour| {
+            let walked = tour.push(Vec2::Y * PACE, 60);
+            let gone = walked.along(Vec2::Y);
+            (
+                walked.stopped && gone < 1.5 && walked.rise().abs() < 0.05 && walked.one_cell(),
+                format!("stopped after {gone:.2} m, {:.2} m beyond the edge", gone - 1.0),
+            )
+        });
+        self.attempt("edge of the same bridge, jumping", "falls 6 m into the pit and stands", bridge, |tour| {
+            let walked = tour.push(Vec2::Y * PACE, 5).then(tour.leap(1.5, Vec2::Y * PACE * 0.5));
+            let fell = -walked.rise();
+            let name = guide.name(tour.footing.at.cell);
+            (
+                (fell - 6.0).abs() < 0.05 && tour.footing.is_standing() && name.starts_with("mine.pit"),
+                format!("fell {fell:.2} m"),
+            )
+        });
         self.attempt(
             "ramp, up out of the pit",
             "climbs 6 m back to the bridge's level",
