@@ -32,6 +32,7 @@
 #![forbid(unsafe_code)]
 
 mod assets;
+mod detail;
 mod distance_image;
 mod dxt;
 mod error;
@@ -40,6 +41,7 @@ mod figure;
 mod filmstrip;
 mod id_image;
 mod image;
+mod jpeg;
 mod land;
 mod lighting;
 mod material;
@@ -56,6 +58,7 @@ mod terrain_paint;
 mod texture;
 
 pub use assets::{AssetCounters, Assets, ObjectLight};
+pub use detail::{DetailedObjects, ModelLevel, model_level};
 pub use distance_image::DistanceImage;
 pub use error::RenderError;
 pub use everything::{Everything, render_everything, render_everything_ids};
@@ -71,6 +74,6 @@ pub use oracle::{Oracle, RayHit};
 pub use raster::{PUNCH_DEPTH, PixelId, PixelKind};
 pub use reference::{render, render_commands, render_commands_ids, render_distances, render_ids};
 pub use scene::{LightDetail, RenderCounters, RenderSettings, Scene};
-pub use sky::{Daylight, Fog, SkyTable, SkyThing};
+pub use sky::{Daylight, Fog, Moment, SkyTable, SkyThing};
 pub use terrain_paint::TerrainPaint;
 pub use texture::{DecodeAs, Level, Texture, TextureError, decode as decode_texture};
