@@ -18,7 +18,7 @@ pub const MAX_THRESHOLDS: usize = 56;
 /// Size of a strip's pictures, pixels.
 const STRIP_SIZE: (u32, u32) = (200, 150);
 /// Ticks before a threshold that its first picture shows.
-const BEFORE: usize = 12;
+const BEFORE: usize = 20;
 /// Ticks after a threshold within which the camera should have followed.
 const FOLLOW: usize = 240;
 /// Ticks before and after a threshold that a film shows.

@@ -204,17 +204,17 @@ pub(crate) fn write(image: &Image, path: &Path) -> anyhow::Result<()> {
 fn place_eye(world: &World, asked: &Position) -> anyhow::Result<Position> {
     let hint = "`vestibule where` tells which cell a place is in and how high the floor is there";
     if asked.cell.is_indoor() && world.env_cell(asked.cell).is_none() {
-        return Err(hinted(Usage(format!("there is no cell {}", asked.cell)), hint));
+        return Err(hinted(anyhow::anyhow!("there is no cell {}", asked.cell), hint));
     }
     let found = adjust_position(world, asked, Vec3::ZERO, true).filter(|found| found.resident);
     let Some(found) = found.map(|found| found.position) else {
         let text = format!("the eye is in no cell: nothing of this world holds {asked}");
-        return Err(hinted(Usage(text), hint));
+        return Err(hinted(anyhow::anyhow!(text), hint));
     };
     let below = |at: &Position| world.ground_at(at.cell, at.origin()).filter(|ground| at.origin().z < ground.z);
     if let Some(ground) = below(&found).filter(|_| !found.cell.is_indoor()) {
         let text = format!("the eye is {:.1} m under the ground, and in no room", ground.z - found.origin().z);
-        return Err(hinted(Usage(text), hint));
+        return Err(hinted(anyhow::anyhow!(text), hint));
     }
     Ok(found)
 }
@@ -223,12 +223,12 @@ fn place_eye(world: &World, asked: &Position) -> anyhow::Result<Position> {
 fn stand(world: &World, asked: &Position) -> anyhow::Result<Position> {
     let hint = "`vestibule where` tells what is at a place; with --eye and --look the eye can be anywhere in the air";
     if asked.cell.is_indoor() && world.env_cell(asked.cell).is_none() {
-        return Err(hinted(Usage(format!("there is no cell {}", asked.cell)), hint));
+        return Err(hinted(anyhow::anyhow!("there is no cell {}", asked.cell), hint));
     }
     let footing = Walker::new(world, asked.cell.block()).put(asked);
     let Some(footing) = footing else {
         let text = format!("nobody can stand at {asked}: it is in no cell, inside something, or nothing is below it");
-        return Err(hinted(Usage(text), hint));
+        return Err(hinted(anyhow::anyhow!(text), hint));
     };
     let mut at = footing.at;
     at.frame.set_rotation(asked.frame.rotation());

@@ -213,7 +213,7 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
     if summary.falls > 0 || summary.teleports > 0 {
         writeln!(
             out,
-            "{head}falls{head:#}        {}, put back {} where there was no way back on foot",
+            "{head}falls{head:#}        {}; put somewhere {}, for trials or where there was no way back",
             summary.falls,
             count(summary.teleports, "time")
         )?;
