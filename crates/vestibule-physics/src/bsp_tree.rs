@@ -69,6 +69,13 @@ pub(crate) fn sphere_intersects_poly<'b>(
     !bsp.certainly_clear(s.center, s.radius) && finds_poly(bsp, s, movement, named)
 }
 
+/// Whether the sphere overlaps no polygon, moved into or not.
+#[inline(always)]
+pub(crate) fn overlaps_nothing(bsp: &PhysicsBsp, s: &Sphere) -> bool {
+    let mut named = None;
+    !sphere_intersects_poly(bsp, s, Vec3::ZERO, &mut named) && named.is_none()
+}
+
 #[inline(never)]
 fn finds_poly<'b>(bsp: &'b PhysicsBsp, s: &Sphere, movement: Vec3, named: &mut Option<&'b Face>) -> bool {
     match hits(bsp, s, false, |_| true) {

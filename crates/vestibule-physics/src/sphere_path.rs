@@ -78,14 +78,14 @@ pub(crate) struct Pose {
 
 /// The local points of the mover, rotated: what to add to an origin to place them.
 #[derive(Clone, Copy, Debug)]
-struct Arms {
-    center: [Vec3; 2],
-    low: Vec3,
+pub(crate) struct Arms {
+    pub(crate) center: [Vec3; 2],
+    pub(crate) low: Vec3,
 }
 
 impl Arms {
     #[inline]
-    fn of(frame: &Frame, spheres: &[Sphere; 2]) -> Self {
+    pub(crate) fn of(frame: &Frame, spheres: &[Sphere; 2]) -> Self {
         let foot = spheres[0];
         let low = Vec3::new(foot.center.x, foot.center.y, foot.center.z - foot.radius);
         if frame.rotation() == Quat::IDENTITY {
@@ -403,6 +403,12 @@ impl<'w> SpherePath<'w> {
         } else {
             1.0 / space.scale * local
         }
+    }
+
+    /// Where the candidate's spheres are, relative to its origin.
+    #[inline]
+    pub(crate) fn arms(&self) -> [Vec3; 2] {
+        self.check_arms.center
     }
 
     /// A direction of the geometry being tested, global.

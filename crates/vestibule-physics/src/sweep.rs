@@ -10,6 +10,7 @@ use crate::error::SweepError;
 use crate::flags::{ObjectKind, ObjectState, PhysicsState};
 use crate::obj_collisions::{ObjectRef, Target};
 use crate::object_info::{ObjectInfo, is_walkable_z};
+use crate::plain_step::plain_step;
 use crate::population::{BodyId, Event, Population};
 use crate::sphere_path::SpherePath;
 use crate::transition::{BuiltArray, Calm, InsertType, StaticsCalm, Transition, calc_num_steps, cell_ref};
@@ -43,7 +44,7 @@ pub struct Carried {
 /// Who is swept: its spheres and what decides how it collides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mover {
-    spheres: [Sphere; 2],
+    pub(crate) spheres: [Sphere; 2],
     count: u8,
     /// How high it steps up on walkable ground, metres.
     pub step_up_height: f32,
@@ -286,6 +287,11 @@ pub fn sweep(
             steps: plan.steps,
             limit,
         });
+    }
+    if plan.steps == 1
+        && let Some(swept) = plain_step(world, population, scratch, mover, carried, from, to, plan.offset)
+    {
+        return Ok(swept);
     }
     let mut transition = begin(
         world,

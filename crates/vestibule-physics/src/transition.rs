@@ -103,7 +103,7 @@ impl Calm {
     }
 
     #[inline]
-    fn holds(&self, cell: CellId, center: Vec3) -> bool {
+    pub(crate) fn holds(&self, cell: CellId, center: Vec3) -> bool {
         let shift = center - self.center;
         self.cell == cell && shift.dot(shift) < self.reach
     }

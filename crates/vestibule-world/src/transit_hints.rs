@@ -84,9 +84,15 @@ impl TransitHints {
     }
 
     /// How far spheres at these places may be shifted together and still touch this cell only, with the first
-    /// centre inside, metres. Zero or less: nothing is certain.
+    /// centre inside, metres. Zero or less: nothing is certain. `beyond` gives the hints of what a portal leads to.
     #[inline]
-    pub(crate) fn calm_distance(&self, spheres: &[Sphere]) -> f32 {
+    pub(crate) fn calm_distance<'a>(
+        &self,
+        spheres: &[Sphere],
+        beyond: impl Fn(usize) -> Option<&'a TransitHints>,
+    ) -> f32 {
+        /// Nearer than this a neighbour is looked at closely, metres.
+        const NEAR: f32 = 0.1;
         let (Some(BoundingBox { min, max }), Some(foot)) = (&self.core, spheres.first()) else {
             return 0.0;
         };
@@ -95,11 +101,22 @@ impl TransitHints {
         for d in [a.y, a.z, b.x, b.y, b.z] {
             least = if d < least { d } else { least };
         }
-        for plane in &self.away {
+        if !(least > 0.0) {
+            return 0.0;
+        }
+        for (index, plane) in self.away.iter().enumerate() {
+            let mut apart = f32::INFINITY;
             for s in spheres {
                 let d = -(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)) - plane.dist(s.center);
-                least = if d < least { d } else { least };
+                apart = if d < apart { d } else { apart };
             }
+            if apart < NEAR
+                && let Some(hints) = beyond(index)
+            {
+                let d = hints.outside_distance(spheres);
+                apart = if d > apart { d } else { apart };
+            }
+            least = if apart < least { apart } else { least };
         }
         least * UNIT_TOLERANCE
     }
