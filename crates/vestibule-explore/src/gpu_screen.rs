@@ -94,9 +94,11 @@ impl GpuScreen {
         times: &mut FrameTimes,
     ) -> Result<(), GpuError> {
         self.gpu.check()?;
-        for (id, change) in &delta.set {
-            self.panels
-                .update_texture(&self.gpu.device, &self.gpu.queue, *id, change);
+        for (id, changes) in &delta.set {
+            for change in changes {
+                self.panels
+                    .update_texture(&self.gpu.device, &self.gpu.queue, *id, change);
+            }
         }
         let (width, height) = self.picture_size(width, height);
         if !self.configured || (self.config.width, self.config.height) != (width, height) {

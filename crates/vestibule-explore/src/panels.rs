@@ -95,7 +95,7 @@ pub fn show(context: &Context, explorer: &mut Explorer, times: &FrameTimes) {
 }
 
 fn marks(context: &Context, marks: &[Mark], viewport: glam::Vec2) {
-    let layer = egui::LayerId::new(egui::Order::Background, egui::Id::new("overlays"));
+    let layer = egui::LayerId::new(egui::Order::Background, egui::Id::unique("overlays"));
     let painter = context.layer_painter(layer);
     // The picture may have another resolution than the window.
     let size = context.content_rect().size();
@@ -473,7 +473,7 @@ fn typing(context: &Context, explorer: &mut Explorer) {
 
 fn notices(context: &Context, explorer: &Explorer) {
     let Some(text) = explorer.message() else { return };
-    let area = egui::Area::new(egui::Id::new("message")).anchor(Align2::CENTER_BOTTOM, [0.0, -24.0]);
+    let area = egui::Area::new(egui::Id::unique("message")).anchor(Align2::CENTER_BOTTOM, [0.0, -24.0]);
     area.interactable(false).show(context, |ui| {
         egui::Frame::new()
             .fill(Color32::from_black_alpha(190))
@@ -485,7 +485,7 @@ fn notices(context: &Context, explorer: &Explorer) {
 
 /// What is shown while a world is loading.
 pub fn loading(context: &Context, what: &str, share: f32) {
-    let area = egui::Area::new(egui::Id::new("loading")).anchor(Align2::CENTER_CENTER, [0.0, 0.0]);
+    let area = egui::Area::new(egui::Id::unique("loading")).anchor(Align2::CENTER_CENTER, [0.0, 0.0]);
     area.show(context, |ui| {
         ui.set_width(360.0);
         ui.vertical_centered(|ui| {

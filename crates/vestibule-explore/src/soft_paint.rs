@@ -21,7 +21,11 @@ pub(crate) struct Pixels<'a> {
 impl SoftPainter {
     /// Takes over what changed about textures.
     pub(crate) fn update(&mut self, delta: &TexturesDelta) {
-        for (id, change) in &delta.set {
+        for (id, change) in delta
+            .set
+            .iter()
+            .flat_map(|(id, all)| all.iter().map(move |c| (id, c)))
+        {
             let ImageData::Color(image) = &change.image;
             match change.pos {
                 None => {

@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3, Vec4};
 use vestibule_physics::{BodyId, ObjectRef};
 use vestibule_render::{
     Blend, Daylight, DrawList, FIGURE_HEIGHT, Lamp, LightDetail, LightLevels, MAX_OBJECT_LAMPS, Mesh,
-    OBJECT_RANGE, PUNCH_DEPTH, RenderSettings, Scene, figure, overlapping_cells,
+    OBJECT_RANGE, PUNCH_DEPTH, RenderSettings, Scene, figure, overlapping_cells, turned,
 };
 use vestibule_view::{Camera, Command, LightSet, PolygonRef, Region, SealDepth, Views};
 use vestibule_world::{BlockId, CellId, EnvCell, Frame, StaticRef};
@@ -748,6 +748,17 @@ impl<'a> Collector<'a> {
         }
     }
 
+    /// The model to draw of a part at its distance, and its frame, turned to the viewer if the level says so; `None`
+    /// when nothing is drawn of it (`rendering.md` 17.1).
+    fn level(&self, block: BlockId, model: u32, frame: &Frame, scale: f32) -> Option<(u32, Frame)> {
+        let eye = self.eye.eye_in(block).as_vec3();
+        let gap = frame.origin - eye;
+        let distance = libm::sqrtf(gap.dot(gap)) / scale;
+        let (scene, quality) = (self.scene, self.settings.detail);
+        let level = scene.assets.model_level(scene.world, model, distance, quality);
+        Some((level.model?, turned(frame, eye, level.mode)))
+    }
+
     fn static_object(&mut self, id: StaticRef, cell: CellId, planes: &[Vec4]) {
         let scene = self.scene;
         let Some(object) = scene.world.static_object(id) else {
@@ -760,11 +771,15 @@ impl<'a> Collector<'a> {
             item: Some(id.index),
         };
         for (part, frame) in object.shape.parts.iter().zip(&object.part_frames) {
-            let Some(mesh) = scene.assets.model(scene.world, part.model_id, None) else {
+            let block = object.cell.block();
+            let Some((model, frame)) = self.level(block, part.model_id, frame, part.scale.z) else {
+                continue;
+            };
+            let Some(mesh) = scene.assets.model(scene.world, model, None) else {
                 self.missing();
                 continue;
             };
-            let placed = self.eye.place(object.cell.block(), frame, part.scale);
+            let placed = self.eye.place(block, &frame, part.scale);
             self.lit_object(&mesh, &placed, owner, cell, 1.0, planes);
         }
     }
@@ -792,12 +807,16 @@ impl<'a> Collector<'a> {
         };
         let mut drawn = false;
         for (part, frame) in body.shape().parts.iter().zip(body.part_frames()) {
-            let Some(mesh) = scene.assets.model(scene.world, part.model_id, None) else {
+            drawn = true;
+            let scale = part.scale * body.scale();
+            let Some((model, frame)) = self.level(block, part.model_id, frame, scale.z) else {
+                continue;
+            };
+            let Some(mesh) = scene.assets.model(scene.world, model, None) else {
                 self.missing();
                 continue;
             };
-            drawn = true;
-            let placed = self.eye.place(block, frame, part.scale * body.scale());
+            let placed = self.eye.place(block, &frame, scale);
             self.lit_object(&mesh, &placed, owner, cell, opacity, planes);
         }
         if drawn {

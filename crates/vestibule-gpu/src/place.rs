@@ -29,6 +29,11 @@ impl EyeFrame {
         }
     }
 
+    /// The eye in the frame of a landblock, unrounded.
+    pub(crate) fn eye_in(&self, block: BlockId) -> DVec3 {
+        self.eye + block_offset(block, self.camera.cell().block()).as_dvec3()
+    }
+
     /// An eye-relative vector in landscape axes, in camera axes.
     #[inline]
     pub(crate) fn turn(&self, v: DVec3) -> DVec3 {
@@ -39,7 +44,7 @@ impl EyeFrame {
     pub(crate) fn place(&self, block: BlockId, frame: &Frame, scale: Vec3) -> Placed {
         let axes = frame.axes().map(|a| self.turn(a.as_dvec3()));
         let s = scale.as_dvec3();
-        let eye = self.eye + block_offset(block, self.camera.cell().block()).as_dvec3();
+        let eye = self.eye_in(block);
         Placed {
             matrix: DMat3::from_cols(axes[0] * s.x, axes[1] * s.y, axes[2] * s.z),
             origin: self.turn(frame.origin.as_dvec3() - eye),

@@ -62,6 +62,8 @@ mod env_collisions;
 mod error;
 mod find_collisions;
 pub mod flags;
+#[cfg(test)]
+mod invariants;
 pub mod locomotion;
 mod math;
 mod obj_collisions;
@@ -71,6 +73,8 @@ mod polygon;
 mod population;
 #[cfg(test)]
 mod rig;
+#[cfg(test)]
+mod rules;
 pub mod save;
 mod set_position;
 mod settings;

@@ -107,7 +107,7 @@ impl<'w> Transition<'w, '_> {
         let mut least = f32::INFINITY;
         for (r, reach) in self.world.shadow_lists(block).with_reaches(cell) {
             let distance = self.distance_to_reach(reach, cell);
-            if distance > 0.0 {
+            if distance > 0.0 && !self.world.settings().exact {
                 least = if distance < least { distance } else { least };
                 continue;
             }

@@ -67,6 +67,7 @@ impl Transition<'_, '_> {
         };
         let path = &self.path;
         self.info.contact.valid
+            && self.keeps_shape
             && !path.collide
             && cell.id == path.check_pos.cell
             && cell.restriction.is_none()

@@ -217,7 +217,7 @@ impl<'w> Transition<'w, '_> {
         let [foot, head] = [path.global_sphere[0].center, path.global_sphere[1].center];
         let built = &self.built;
         let same = built.seed == seed && built.centers == [foot, head] && (built.want_cell || !want_cell);
-        if !same {
+        if !same || self.world.settings().exact {
             // Where nothing was certain before, nothing is a little farther on.
             let try_calm = self.keeps_shape && self.calm.failed_in != seed;
             let distance = if try_calm {

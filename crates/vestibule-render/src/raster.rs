@@ -98,6 +98,10 @@ pub(crate) struct Buffers {
     pub(crate) limit: Vec<f32>,
     /// Empty unless ids are wanted.
     pub(crate) ids: Vec<PixelId>,
+    /// The depth that seals wrote, 0 elsewhere; empty unless distances are wanted.
+    seals: Vec<f32>,
+    /// The depth of the landscape before it was cleared; empty unless distances are wanted.
+    landscape: Vec<f32>,
 }
 
 impl Buffers {
@@ -109,10 +113,29 @@ impl Buffers {
             depth: vec![0.0; n],
             limit: Vec::new(),
             ids: vec![PixelId::BACKGROUND; if with_ids { n } else { 0 }],
+            seals: Vec::new(),
+            landscape: Vec::new(),
         }
     }
 
+    /// From here on the depth of what seals protect is kept.
+    pub(crate) fn keep_landscape(&mut self) {
+        self.seals = vec![0.0; self.depth.len()];
+        self.landscape = vec![0.0; self.depth.len()];
+    }
+
+    /// Depth of what the pixels show, where seals lie that of the landscape behind them.
+    pub(crate) fn shown_depth(&self) -> Vec<f32> {
+        let behind = self.seals.iter().zip(&self.landscape);
+        let all = self.depth.iter().zip(behind);
+        all.map(|(&d, (&seal, &landscape))| if seal > 0.0 && seal == d { landscape } else { d })
+            .collect()
+    }
+
     pub(crate) fn clear_depth(&mut self) {
+        if !self.landscape.is_empty() {
+            self.landscape.copy_from_slice(&self.depth);
+        }
         self.depth.fill(0.0);
     }
 
@@ -129,6 +152,8 @@ impl Buffers {
             depth: Vec::new(),
             limit: Vec::new(),
             ids: Vec::new(),
+            seals: Vec::new(),
+            landscape: Vec::new(),
         }
     }
 
@@ -179,6 +204,16 @@ impl Buffers {
     /// Ends what [`Buffers::limit_behind`] began.
     pub(crate) fn no_limit(&mut self) {
         self.limit.clear();
+    }
+
+    /// Seals a polygon: its own depth, or a constant (`rendering.md` 7.6a).
+    pub(crate) fn seal(&mut self, points: &[DVec3], constant: Option<f32>) {
+        self.depth_polygon(points, constant);
+        if !self.seals.is_empty() {
+            core::mem::swap(&mut self.depth, &mut self.seals);
+            self.depth_polygon(points, constant);
+            core::mem::swap(&mut self.depth, &mut self.seals);
+        }
     }
 
     /// Writes depth only, test always: a punch with a constant, a seal with its own depth (`rendering.md` 7).

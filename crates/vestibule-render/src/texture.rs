@@ -36,6 +36,9 @@ pub enum TextureError {
         /// Bytes that are there.
         present: usize,
     },
+    /// The bytes are no JPEG file of the record's size.
+    #[error("the JPEG file of a texture is damaged or of another size")]
+    Jpeg,
     /// A picture of palette indices without a palette.
     #[error("the palette of an indexed texture is missing")]
     NoPalette,
@@ -224,7 +227,7 @@ fn keep_coverage(full: &Level, level: &mut Level) {
 /// Decodes a RenderSurface (`rendering.md` 15). `palette` is the one to use for indexed formats.
 ///
 /// # Errors
-/// When the format is unknown (or a JPEG), the size absurd, bytes or the palette missing.
+/// When the format is unknown, the size absurd, bytes or the palette missing.
 pub fn decode(
     record: &RenderSurface,
     palette: Option<&Palette>,
@@ -242,6 +245,10 @@ pub fn decode(
         return Err(size_error);
     }
     let format = record.pixel_format().ok_or(TextureError::Format(record.format))?;
+    if format == PixelFormat::RawJpeg {
+        let pixels = crate::jpeg::decode(&record.pixels, width, height).ok_or(TextureError::Jpeg)?;
+        return Ok(Texture::new(width, height, pixels, how.clip_map));
+    }
     let needed = format
         .byte_length(width, height)
         .ok_or(TextureError::Format(record.format))?;
@@ -309,7 +316,7 @@ pub fn decode(
         PixelFormat::Dxt1 => block(Dxt::One),
         PixelFormat::Dxt3 => block(Dxt::Three),
         PixelFormat::Dxt5 => block(Dxt::Five),
-        PixelFormat::RawJpeg => return Err(TextureError::Format(record.format)),
+        PixelFormat::RawJpeg => return Err(TextureError::Jpeg),
     };
     Ok(Texture::new(width, height, pixels, how.clip_map))
 }
@@ -407,6 +414,25 @@ mod tests {
             (t.levels()[0].pixels[0][3], t.levels()[0].pixels[1][3]),
             (255, 34)
         );
+    }
+
+    #[test]
+    fn r15_jpeg_files() {
+        let file = crate::jpeg::tests::file(&[72, -72, 72]);
+        let record = surface(PixelFormat::RawJpeg, 8, 8, file);
+        let t = decode(&record, None, DecodeAs::default()).unwrap();
+        assert_eq!((t.width(), t.levels()[0].pixels.len()), (8, 64));
+        let wrong_size = surface(PixelFormat::RawJpeg, 16, 8, record.pixels.clone());
+        let how = DecodeAs::default();
+        assert_eq!(decode(&wrong_size, None, how), Err(TextureError::Jpeg));
+        for cut in 0..record.pixels.len() {
+            // Cut off anywhere: an error or a picture, never a panic.
+            let _ = decode(
+                &surface(PixelFormat::RawJpeg, 8, 8, record.pixels[..cut].to_vec()),
+                None,
+                how,
+            );
+        }
     }
 
     #[test]

@@ -122,7 +122,7 @@ fn from_resident_env_cell(
 /// itself.
 #[inline]
 pub fn calm_distance(world: &World, seed: CellId, spheres: &[Sphere]) -> f32 {
-    let Some(block) = world.block(seed.block()) else {
+    let Some(block) = world.block(seed.block()).filter(|_| !world.settings().exact) else {
         return 0.0;
     };
     if seed.is_indoor() {

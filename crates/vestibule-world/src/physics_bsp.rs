@@ -233,6 +233,17 @@ impl PhysicsBsp {
         bsp
     }
 
+    /// Leaves only the tree itself: every question is answered by a walk.
+    pub(crate) fn forget_hints(&mut self) {
+        self.quads = None;
+        self.up_quads = 0;
+        self.open = NO_BOX;
+        self.open_is_hollow = false;
+        for face in &mut self.faces {
+            face.sound = false;
+        }
+    }
+
     /// Works out what holds for the tree as a whole: which faces lie where it says, and whether its open space is
     /// hollow.
     fn audit(&mut self) {
