@@ -30,6 +30,7 @@
 #![forbid(unsafe_code)]
 
 mod adjust_position;
+mod aperture_tree;
 mod assets;
 mod cell_array;
 mod cell_bsp;
@@ -65,6 +66,7 @@ mod transit_parts;
 mod world;
 
 pub use adjust_position::{AdjustedPosition, adjust_position, find_visible_child_cell};
+pub use aperture_tree::ApertureTree;
 pub use cell_array::{CellArray, CellEntry};
 pub use cell_bsp::{CellBsp, Inside};
 pub use cell_manager::CellManager;
