@@ -24,9 +24,9 @@ const FOLLOW: usize = 240;
 /// Ticks before and after a threshold that a film shows.
 const FILM_REACH: usize = 24;
 /// Ticks from one picture of a film to the next.
-const FILM_STEP: usize = 4;
+const FILM_STEP: usize = 6;
 /// Time a picture of a film shows, milliseconds.
-pub const FILM_DELAY_MS: u16 = 100;
+pub const FILM_DELAY_MS: u16 = 120;
 /// Space between pictures, pixels.
 const GAP: u32 = 6;
 /// Height of a line of letters, pixels.
@@ -63,23 +63,45 @@ pub fn thresholds(record: &TourRecord) -> Vec<Threshold> {
             continue;
         }
         let tick = i + 1;
-        let stays = record.trail.iter().skip(tick).take(FOLLOW).take_while(|step| step.cell == to && !step.teleported);
+        let stays = record
+            .trail
+            .iter()
+            .skip(tick)
+            .take(FOLLOW)
+            .take_while(|step| step.cell == to && !step.teleported);
         let last = tick + stays.count().saturating_sub(1);
         let looks = record.eyes.iter().enumerate().take(last + 1).skip(tick);
-        let followed = looks.filter(|(_, eye)| eye.cell == Some(to)).map(|(tick, _)| tick).next();
-        out.push(Threshold { tick, from, to, followed, last });
+        let followed = looks
+            .filter(|(_, eye)| eye.cell == Some(to))
+            .map(|(tick, _)| tick)
+            .next();
+        out.push(Threshold {
+            tick,
+            from,
+            to,
+            followed,
+            last,
+        });
     }
     out
 }
 
 /// A camera at a tick of a tour, drawn.
-fn picture(studio: &Studio<'_>, record: &TourRecord, tick: usize, size: (u32, u32)) -> Result<Image, StudioError> {
+fn picture(
+    studio: &Studio<'_>,
+    record: &TourRecord,
+    tick: usize,
+    size: (u32, u32),
+) -> Result<Image, StudioError> {
     let size = Vec2::new(size.0 as f32, size.1 as f32);
     let fov = retail_fov_y(core::f32::consts::FRAC_PI_2, size.x / size.y);
     let (Some(step), Some(eye)) = (record.trail.get(tick), record.eyes.get(tick)) else {
         return Err(StudioError::Render(RenderError::Frames));
     };
-    let player = Position { cell: step.cell, frame: Frame::new(step.pos, facing(eye.heading)) };
+    let player = Position {
+        cell: step.cell,
+        frame: Frame::new(step.pos, facing(eye.heading)),
+    };
     let shot = studio.shot_behind(&player, &eye.position, eye.cell, fov, size)?;
     Ok(studio.picture(&shot)?)
 }
@@ -92,13 +114,18 @@ fn pictures(
     size: (u32, u32),
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Vec<Image>, StudioError> {
-    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(ticks.len().max(1));
+    let threads = std::thread::available_parallelism()
+        .map_or(1, usize::from)
+        .min(ticks.len().max(1));
     let (next, ready) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let slots: Vec<Mutex<Option<Result<Image, StudioError>>>> = ticks.iter().map(|_| Mutex::new(None)).collect();
+    let slots: Vec<Mutex<Option<Result<Image, StudioError>>>> =
+        ticks.iter().map(|_| Mutex::new(None)).collect();
     let work = || {
         loop {
             let i = next.fetch_add(1, Ordering::Relaxed);
-            let (Some(&tick), Some(slot)) = (ticks.get(i), slots.get(i)) else { break };
+            let (Some(&tick), Some(slot)) = (ticks.get(i), slots.get(i)) else {
+                break;
+            };
             let made = picture(studio, record, tick, size);
             *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(made);
             done(ready.fetch_add(1, Ordering::Relaxed) + 1);
@@ -113,7 +140,11 @@ fn pictures(
     let missing = || Err(StudioError::Render(RenderError::Frames));
     slots
         .into_iter()
-        .map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner).unwrap_or_else(missing))
+        .map(|slot| {
+            slot.into_inner()
+                .unwrap_or_else(PoisonError::into_inner)
+                .unwrap_or_else(missing)
+        })
         .collect()
 }
 
@@ -140,7 +171,13 @@ pub fn strip(
     all.truncate(MAX_THRESHOLDS);
     let ticks: Vec<[usize; 3]> = all
         .iter()
-        .map(|t| [t.tick.saturating_sub(BEFORE), t.tick, t.followed.map_or(t.last, |tick| (tick + 6).min(t.last))])
+        .map(|t| {
+            [
+                t.tick.saturating_sub(BEFORE),
+                t.tick,
+                t.followed.map_or(t.last, |tick| (tick + 6).min(t.last)),
+            ]
+        })
         .collect();
     let (width, height) = STRIP_SIZE;
     let images = pictures(studio, record, ticks.as_flattened(), STRIP_SIZE, done)?;
@@ -149,16 +186,20 @@ pub fn strip(
     let columns = 2u32.min(all.len() as u32).max(1);
     let rows = (all.len() as u32).div_ceil(columns).max(1);
     let mut out = Image::new(columns * group + GAP, rows * row + LINE + 2 * GAP, PAPER)?;
-    let title = "every threshold: before - the player crosses - the camera follows (player's cell / eye's cell)";
+    let title =
+        "every threshold: before - the player crosses - the camera follows (player's cell / eye's cell)";
     out.draw_text(title, GAP, GAP, INK, columns * group);
     for (k, (threshold, three)) in (0u32..).zip(all.iter().zip(images.chunks(3))) {
         let (left, top) = (GAP + k % columns * group, LINE + 2 * GAP + k / columns * row);
         let head = format!("{} > {}", name(guide, threshold.from), name(guide, threshold.to));
         out.draw_text(&head, left, top, BRIGHT, group - 2 * GAP);
-        let Some(ticks) = ticks.get(k as usize) else { continue };
+        let Some(ticks) = ticks.get(k as usize) else {
+            continue;
+        };
         for (j, (image, &tick)) in (0u32..).zip(three.iter().zip(ticks)) {
             let x = left + j * (width + GAP);
-            let low = |id: Option<CellId>| id.map_or("none".to_owned(), |id| format!("{:04X}", id.0 & 0xFFFF));
+            let low =
+                |id: Option<CellId>| id.map_or("none".to_owned(), |id| format!("{:04X}", id.0 & 0xFFFF));
             let player = record.trail.get(tick).map(|step| step.cell);
             let eye = record.eyes.get(tick).and_then(|eye| eye.cell);
             let label = format!("{:.1} s  {} / {}", tick as f32 * TICK, low(player), low(eye));
@@ -182,7 +223,14 @@ pub fn film_ticks(record: &TourRecord) -> Vec<usize> {
     }
     for trial in &record.summary.trials {
         let last = (trial.t / TICK) as usize;
-        let walked = record.trail.iter().take(last + 1).rev().take(200).take_while(|step| !step.teleported).count();
+        let walked = record
+            .trail
+            .iter()
+            .take(last + 1)
+            .rev()
+            .take(200)
+            .take_while(|step| !step.teleported)
+            .count();
         out.extend((last.saturating_sub(walked)..=last).step_by(FILM_STEP));
     }
     out.retain(|&tick| tick < record.eyes.len());
@@ -204,13 +252,29 @@ pub fn film(
     let images = pictures(studio, record, &ticks, size, done)?;
     let labelled = images.iter().zip(&ticks).map(|(image, &tick)| {
         let mut out = Image::new(size.0, size.1 + LINE, PAPER)?;
-        let place = record.trail.get(tick).map_or(String::new(), |step| name(guide, step.cell));
+        let place = record
+            .trail
+            .get(tick)
+            .map_or(String::new(), |step| name(guide, step.cell));
         let trial = record.summary.trials.iter().find(|trial| {
             let last = (trial.t / TICK) as usize;
-            tick <= last && last - tick < 200 && record.trail.iter().take(last).skip(tick + 1).all(|s| !s.teleported)
+            tick <= last
+                && last - tick < 200
+                && record
+                    .trail
+                    .iter()
+                    .take(last)
+                    .skip(tick + 1)
+                    .all(|s| !s.teleported)
         });
         let what = trial.map_or(String::new(), |trial| format!("  {}", trial.trial));
-        out.draw_text(&format!("{:.1} s  {place}{what}", tick as f32 * TICK), 2, 3, INK, size.0 - 2);
+        out.draw_text(
+            &format!("{:.1} s  {place}{what}", tick as f32 * TICK),
+            2,
+            3,
+            INK,
+            size.0 - 2,
+        );
         out.blit(image, 0, LINE);
         Ok(out)
     });

@@ -113,7 +113,10 @@ impl<'w> Studio<'w> {
         let mut population = Population::new();
         let id = population.add(Body::player());
         population.force_into_cell(self.world, &mut Scratch::new(), id, player);
-        let pivot = Position { cell: player.cell, frame: ViewerTarget::at(*player).pivot(vestibule_view::PIVOT_OFFSET) };
+        let pivot = Position {
+            cell: player.cell,
+            frame: ViewerTarget::at(*player).pivot(vestibule_view::PIVOT_OFFSET),
+        };
         let distance = pivot.offset_to(eye).length();
         let opacity = ChaseCamera::new(1.0).body_opacity(distance);
         Ok(self.decide(&input, population, Some((id, opacity))))
@@ -127,7 +130,13 @@ impl<'w> Studio<'w> {
         let mut last = None;
         for _ in 0..SETTLE_TICKS {
             last = rig
-                .update(self.world, &population, &mut scratch, Some(&target), crate::walker::TICK)
+                .update(
+                    self.world,
+                    &population,
+                    &mut scratch,
+                    Some(&target),
+                    crate::walker::TICK,
+                )
                 .copied();
         }
         last.unwrap_or(Viewer {
@@ -142,11 +151,18 @@ impl<'w> Studio<'w> {
         let mut frame = FrameView::default();
         let objects = WorldObjects::new(self.world).with_population(&population);
         frame.update(self.world, &self.openings, &objects, input);
-        Shot { frame, camera: input.camera, population, player }
+        Shot {
+            frame,
+            camera: input.camera,
+            population,
+            player,
+        }
     }
 
     fn scene<'a>(&'a self, shot: &'a Shot) -> Scene<'a> {
-        let scene = Scene::new(self.world, &self.assets).at_time(self.time_of_day).with_population(&shot.population);
+        let scene = Scene::new(self.world, &self.assets)
+            .at_time(self.time_of_day)
+            .with_population(&shot.population);
         match shot.player {
             Some((id, opacity)) => scene.with_player(id, opacity),
             None => scene,
@@ -174,7 +190,12 @@ impl<'w> Studio<'w> {
     /// # Errors
     /// The size is out of range.
     pub fn everything(&self, shot: &Shot) -> Result<Image, RenderError> {
-        render_everything(&self.scene(shot), &shot.camera, Everything::default(), &self.settings)
+        render_everything(
+            &self.scene(shot),
+            &shot.camera,
+            Everything::default(),
+            &self.settings,
+        )
     }
 
     /// The cell ids of everything.
@@ -182,6 +203,11 @@ impl<'w> Studio<'w> {
     /// # Errors
     /// The size is out of range.
     pub fn everything_ids(&self, shot: &Shot) -> Result<IdImage, RenderError> {
-        render_everything_ids(&self.scene(shot), &shot.camera, Everything::default(), &self.settings)
+        render_everything_ids(
+            &self.scene(shot),
+            &shot.camera,
+            Everything::default(),
+            &self.settings,
+        )
     }
 }

@@ -206,7 +206,9 @@ impl<'w, 'o> Tour<'w, 'o> {
         on_step: &'o mut dyn FnMut(usize),
     ) -> Result<TourRecord, TourError> {
         let guide = Guide::of(dats);
-        let start = options.start.or_else(|| guide.as_ref().and_then(|guide| guide.start));
+        let start = options
+            .start
+            .or_else(|| guide.as_ref().and_then(|guide| guide.start));
         let (walker, footing) = match start {
             Some(start) => {
                 let mut walker = Walker::new(world, start.cell.block());
@@ -368,18 +370,31 @@ impl<'w, 'o> Tour<'w, 'o> {
         let world = self.walker.world();
         let derived = derive_cell(world, &at);
         let teleported = std::mem::take(&mut self.teleported);
-        let tick = Tick { number, standing, teleported };
+        let tick = Tick {
+            number,
+            standing,
+            teleported,
+        };
         self.summary.by_sweep.count(world, at.cell, at.cell, tick);
         let before = self.summary.by_position.now();
         self.summary.by_position.count(world, derived, at.cell, tick);
         self.disagreements.note(&at, derived);
         let is_static = self.options.membership == Membership::Static;
         let (cell, pos) = if is_static {
-            (derived, at.origin() + block_offset(derived.block(), at.cell.block()))
+            (
+                derived,
+                at.origin() + block_offset(derived.block(), at.cell.block()),
+            )
         } else {
             (at.cell, at.origin())
         };
-        self.trail.push(TrailStep { t: number as f32 * TICK, cell, pos, standing, teleported });
+        self.trail.push(TrailStep {
+            t: number as f32 * TICK,
+            cell,
+            pos,
+            standing,
+            teleported,
+        });
         let point = self.walker.point(&at);
         let went = point - std::mem::replace(&mut self.last_point, point);
         if let Some(eyes) = &mut self.eyes {
@@ -387,7 +402,11 @@ impl<'w, 'o> Tour<'w, 'o> {
             self.looks.push(eye);
         }
         if let Some(before) = before.filter(|&before| is_static && before != derived) {
-            let by = if teleported { "teleport" } else { "derived from the resting position" };
+            let by = if teleported {
+                "teleport"
+            } else {
+                "derived from the resting position"
+            };
             let change = Change {
                 t: self.time(),
                 position: short(&Position::new(cell, pos)),
@@ -438,7 +457,11 @@ impl<'w, 'o> Tour<'w, 'o> {
             summary.seen = Some(seen);
             lists = met;
         }
-        TourRecord { trail: self.trail, eyes: self.looks, lists, summary: self.summary }
+        TourRecord {
+            trail: self.trail,
+            eyes: self.looks,
+            lists,
+            summary: self.summary,
+        }
     }
 }
-

@@ -74,7 +74,10 @@ impl<'w> Walker<'w> {
     /// Puts a door into its frame: a body of this shape, shut. `None` where it cannot be.
     pub fn add_door(&mut self, shape: Arc<Shape>, at: &Position) -> Option<BodyId> {
         let id = self.population.add(Body::new(shape, 1.0).ok()?);
-        if self.population.force_into_cell(self.world, &mut self.scratch, id, at) {
+        if self
+            .population
+            .force_into_cell(self.world, &mut self.scratch, id, at)
+        {
             return Some(id);
         }
         self.population.remove(id);
@@ -83,7 +86,8 @@ impl<'w> Walker<'w> {
 
     /// Opens a door, or shuts it again.
     pub fn set_open(&mut self, door: BodyId, open: bool) {
-        self.population.set_ethereal(self.world, &mut self.scratch, door, open);
+        self.population
+            .set_ethereal(self.world, &mut self.scratch, door, open);
     }
 
     /// Takes a door away.

@@ -106,7 +106,11 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         (Some(eye), Some(look)) => {
             let eye = place_eye(&world, &eye.position(&world)?)?;
             // Looking straight up or down, the top of the picture is north.
-            let up = if look.normalize().z.abs() > 0.999 { Vec3::Y } else { Vec3::Z };
+            let up = if look.normalize().z.abs() > 0.999 {
+                Vec3::Y
+            } else {
+                Vec3::Z
+            };
             let camera = Camera::new(eye.cell, eye.origin(), look, up, fov, size)
                 .map_err(|e| Usage(format!("no camera: {e}")))?;
             studio.shot(camera)
@@ -138,8 +142,10 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     cells.sort_by_key(|&(cell, pixels)| (std::cmp::Reverse(pixels), cell));
     let clear = ids.as_ref().map_or(0, |ids| ids.count(PixelKind::Background));
     if context.json {
-        let cells: Vec<_> =
-            cells.iter().map(|(cell, n)| json!({ "cell": cell.to_string(), "pixels": n })).collect();
+        let cells: Vec<_> = cells
+            .iter()
+            .map(|(cell, n)| json!({ "cell": cell.to_string(), "pixels": n }))
+            .collect();
         return context.print_json(&json!({
             "written": args.output, "width": args.size.0, "height": args.size.1, "renderer": "cpu",
             "milliseconds": took, "eye": eye.to_string(), "player": player.map(|p| p.to_string()),
@@ -151,7 +157,11 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let out = &mut context.out;
     if let Some(player) = player {
         let p = player.origin();
-        writeln!(out, "{head}player{head:#}   {cell}{}{cell:#} [{:.2} {:.2} {:.2}]", player.cell, p.x, p.y, p.z)?;
+        writeln!(
+            out,
+            "{head}player{head:#}   {cell}{}{cell:#} [{:.2} {:.2} {:.2}]",
+            player.cell, p.x, p.y, p.z
+        )?;
     }
     let p = eye.origin();
     writeln!(
@@ -168,23 +178,45 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
             writeln!(out, "{head}seen{head:#}     {cell}: {}", count(*pixels, "pixel"))?;
         }
         if clear > 0 {
-            writeln!(out, "{}nothing{:#}  {}", style::WARN, style::WARN, count(clear, "pixel"))?;
+            writeln!(
+                out,
+                "{}nothing{:#}  {}",
+                style::WARN,
+                style::WARN,
+                count(clear, "pixel")
+            )?;
         }
     }
     if missing > 0 {
         let text = count(missing as usize, "surface, texture or model");
-        anstream::eprintln!("{}warning{:#}: {text} missing or unusable, shown as a checker", style::WARN, style::WARN);
+        anstream::eprintln!(
+            "{}warning{:#}: {text} missing or unusable, shown as a checker",
+            style::WARN,
+            style::WARN
+        );
     }
-    writeln!(out, "drawn on the processor in {took:.0} ms\nwritten {}", args.output.display())?;
+    writeln!(
+        out,
+        "drawn on the processor in {took:.0} ms\nwritten {}",
+        args.output.display()
+    )?;
     Ok(())
 }
 
 fn draw(studio: &Studio<'_>, shot: &Shot, args: &Args) -> anyhow::Result<(Image, Option<IdImage>)> {
     if !args.ids {
-        let image = if args.everything { studio.everything(shot)? } else { studio.picture(shot)? };
+        let image = if args.everything {
+            studio.everything(shot)?
+        } else {
+            studio.picture(shot)?
+        };
         return Ok((image, None));
     }
-    let ids = if args.everything { studio.everything_ids(shot)? } else { studio.ids(shot)? };
+    let ids = if args.everything {
+        studio.everything_ids(shot)?
+    } else {
+        studio.ids(shot)?
+    };
     Ok((ids.to_image()?, Some(ids)))
 }
 
@@ -211,9 +243,16 @@ fn place_eye(world: &World, asked: &Position) -> anyhow::Result<Position> {
         let text = format!("the eye is in no cell: nothing of this world holds {asked}");
         return Err(hinted(anyhow::anyhow!(text), hint));
     };
-    let below = |at: &Position| world.ground_at(at.cell, at.origin()).filter(|ground| at.origin().z < ground.z);
+    let below = |at: &Position| {
+        world
+            .ground_at(at.cell, at.origin())
+            .filter(|ground| at.origin().z < ground.z)
+    };
     if let Some(ground) = below(&found).filter(|_| !found.cell.is_indoor()) {
-        let text = format!("the eye is {:.1} m under the ground, and in no room", ground.z - found.origin().z);
+        let text = format!(
+            "the eye is {:.1} m under the ground, and in no room",
+            ground.z - found.origin().z
+        );
         return Err(hinted(anyhow::anyhow!(text), hint));
     }
     Ok(found)
@@ -227,7 +266,9 @@ fn stand(world: &World, asked: &Position) -> anyhow::Result<Position> {
     }
     let footing = Walker::new(world, asked.cell.block()).put(asked);
     let Some(footing) = footing else {
-        let text = format!("nobody can stand at {asked}: it is in no cell, inside something, or nothing is below it");
+        let text = format!(
+            "nobody can stand at {asked}: it is in no cell, inside something, or nothing is below it"
+        );
         return Err(hinted(anyhow::anyhow!(text), hint));
     };
     let mut at = footing.at;

@@ -8,11 +8,14 @@ use std::time::Instant;
 
 use anyhow::Context as _;
 use serde_json::json;
-use vestibule::map_svg::{TrailPoint, plan};
 use vestibule::film;
+use vestibule::map_svg::{TrailPoint, plan};
 use vestibule::render::write_apng;
 use vestibule::studio::Studio;
-use vestibule::tour::{Guide, Trial, Change, Membership, MembershipCount, Seen, Tour, TourOptions, TourRecord, TourSummary, TrailStep, write_trail};
+use vestibule::tour::{
+    Change, Guide, Membership, MembershipCount, Seen, Tour, TourOptions, TourRecord, TourSummary, TrailStep,
+    Trial, write_trail,
+};
 use vestibule::world::{BlockId, World};
 
 use super::place::{Place, parse_place};
@@ -72,7 +75,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE.png", conflicts_with = "no_look")]
     film: Option<PathBuf>,
     /// Size of the film, pixels
-    #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "240x180", requires = "film")]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "200x150", requires = "film")]
     film_size: (u32, u32),
     /// Folder for the trail, maps and pictures
     #[arg(short, long, value_name = "DIR", default_value = "tour")]
@@ -150,7 +153,13 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         for path in &written {
             writeln!(context.out, "written {}", path.display())?;
         }
-        writeln!(context.out, "{}in {:.1} s{:#}", style::DIM, begun.elapsed().as_secs_f64(), style::DIM)?;
+        writeln!(
+            context.out,
+            "{}in {:.1} s{:#}",
+            style::DIM,
+            begun.elapsed().as_secs_f64(),
+            style::DIM
+        )?;
         for problem in world.problems() {
             anstream::eprintln!("{}warning{:#}: {problem}", style::WARN, style::WARN);
         }
@@ -271,10 +280,26 @@ fn print_membership(summary: &TourSummary, context: &mut Context) -> anyhow::Res
     ]);
     let ticks = |n: &MembershipCount| format!("{} of {}", n.ticks_off, summary.steps);
     for (what, a, b) in [
-        ("  changes of cell", sweep.changes.to_string(), derived.changes.to_string()),
-        ("  flickers", sweep.flickers.to_string(), derived.flickers.to_string()),
-        ("  changes through walls or floors", sweep.through_walls.to_string(), derived.through_walls.to_string()),
-        ("  ticks in another cell than the sweep's", ticks(sweep), ticks(derived)),
+        (
+            "  changes of cell",
+            sweep.changes.to_string(),
+            derived.changes.to_string(),
+        ),
+        (
+            "  flickers",
+            sweep.flickers.to_string(),
+            derived.flickers.to_string(),
+        ),
+        (
+            "  changes through walls or floors",
+            sweep.through_walls.to_string(),
+            derived.through_walls.to_string(),
+        ),
+        (
+            "  ticks in another cell than the sweep's",
+            ticks(sweep),
+            ticks(derived),
+        ),
     ] {
         table.row([what.to_owned(), a, b]);
     }
@@ -289,7 +314,11 @@ fn print_membership(summary: &TourSummary, context: &mut Context) -> anyhow::Res
         )?;
     }
     if summary.disagreements.len() > 5 {
-        writeln!(out, "    {dim}... and {} more pairs (--json lists them){dim:#}", summary.disagreements.len() - 5)?;
+        writeln!(
+            out,
+            "    {dim}... and {} more pairs (--json lists them){dim:#}",
+            summary.disagreements.len() - 5
+        )?;
     }
     Ok(())
 }
@@ -309,7 +338,11 @@ fn print_seen(seen: &Seen, out: &mut impl Write) -> anyhow::Result<()> {
     )?;
     if seen.landscape_in_sealed > 0 {
         let bad = style::BAD;
-        writeln!(out, "{bad}landscape drawn in sealed rooms: {} ticks{bad:#}", seen.landscape_in_sealed)?;
+        writeln!(
+            out,
+            "{bad}landscape drawn in sealed rooms: {} ticks{bad:#}",
+            seen.landscape_in_sealed
+        )?;
     }
     Ok(())
 }
@@ -332,8 +365,18 @@ fn print_trials(trials: &[Trial], out: &mut impl Write) -> anyhow::Result<()> {
             Some(false) => "NO",
             None => "-",
         };
-        let cell = if trial.passed.is_none() { String::new() } else { trial.cell.clone() };
-        table.row([mark.to_owned(), trial.trial.clone(), trial.expected.clone(), trial.outcome.clone(), cell]);
+        let cell = if trial.passed.is_none() {
+            String::new()
+        } else {
+            trial.cell.clone()
+        };
+        table.row([
+            mark.to_owned(),
+            trial.trial.clone(),
+            trial.expected.clone(),
+            trial.outcome.clone(),
+            cell,
+        ]);
     }
     table.write(out)?;
     let tried = trials.iter().filter(|trial| trial.passed.is_some()).count();
@@ -400,7 +443,9 @@ fn write_pictures(
     if let Some(path) = &args.film {
         let count = film::film_ticks(record).len() as u64;
         let progress = Mutex::new(Progress::new("pictures of the film", count));
-        let images = film::film(&studio, record, guide.as_ref(), args.film_size, &|done| advance(&progress, done))?;
+        let images = film::film(&studio, record, guide.as_ref(), args.film_size, &|done| {
+            advance(&progress, done)
+        })?;
         drop(progress);
         let mut bytes = Vec::new();
         write_apng(&images, film::FILM_DELAY_MS, &mut bytes)?;

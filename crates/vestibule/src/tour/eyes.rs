@@ -6,7 +6,8 @@ use glam::{Quat, Vec2, Vec3};
 use serde::Serialize;
 use vestibule_physics::{Population, Scratch};
 use vestibule_view::{
-    CameraRig, ChaseCamera, Command, FrameView, Openings, PlayerCell, ViewerTarget, WorldObjects, retail_fov_y,
+    CameraRig, ChaseCamera, Command, FrameView, Openings, PlayerCell, ViewerTarget, WorldObjects,
+    retail_fov_y,
 };
 use vestibule_world::{CellId, Frame, Position, World};
 
@@ -129,7 +130,10 @@ impl Eyes {
             self.heading = libm::remainderf(self.heading + left.clamp(-most, most), tau);
         }
         let at = footing.at;
-        let position = Position { cell: at.cell, frame: Frame::new(at.origin(), facing(self.heading)) };
+        let position = Position {
+            cell: at.cell,
+            frame: Frame::new(at.origin(), facing(self.heading)),
+        };
         let mut target = ViewerTarget::at(position);
         target.velocity = if teleported { Vec3::ZERO } else { went / TICK };
         target.contact_normal = footing.carried.contact.map(|c| c.plane.normal);
@@ -137,9 +141,17 @@ impl Eyes {
             // As after a portal: the camera starts behind the player anew.
             self.rig = CameraRig::new(ChaseCamera::new(1.0));
         }
-        let viewer = self.rig.update(world, population, &mut self.scratch, Some(&target), TICK).copied();
+        let viewer = self
+            .rig
+            .update(world, population, &mut self.scratch, Some(&target), TICK)
+            .copied();
         let Some(viewer) = viewer else {
-            return Eye { position, cell: None, heading: self.heading, list: self.note(DrawList::default()) };
+            return Eye {
+                position,
+                cell: None,
+                heading: self.heading,
+                list: self.note(DrawList::default()),
+            };
         };
         let cell = viewer.cell.map(|cell| cell.0);
         let mut list = DrawList::default();
@@ -161,7 +173,12 @@ impl Eyes {
         }
         list.outside = self.frame.draws_landscape();
         self.count(world, at.cell, cell, &list);
-        Eye { position: viewer.position, cell, heading: self.heading, list: self.note(list) }
+        Eye {
+            position: viewer.position,
+            cell,
+            heading: self.heading,
+            list: self.note(list),
+        }
     }
 
     fn note(&mut self, list: DrawList) -> usize {
@@ -214,7 +231,10 @@ mod tests {
         for direction in [Vec2::X, Vec2::Y, -Vec2::X, -Vec2::Y, Vec2::new(0.6, -0.8)] {
             let heading = heading_of(direction).unwrap();
             let ahead = facing(heading) * Vec3::Y;
-            assert!(ahead.truncate().distance(direction) < 1e-5, "{direction} became {ahead}");
+            assert!(
+                ahead.truncate().distance(direction) < 1e-5,
+                "{direction} became {ahead}"
+            );
         }
         assert_eq!(heading_of(Vec2::ZERO), None);
     }

@@ -20,20 +20,28 @@ const MARKS: [u32; 2] = [0xA9B4_FFFE, 0x0107_FFFE];
 impl Guide {
     /// The guide to the embedded world, if these files hold it: built in or written to a folder.
     pub fn of(dats: &DatSet) -> Option<Guide> {
-        let marks = MARKS.map(|id| dats.get_cell(id).ok().flatten());
-        if marks.iter().any(Option::is_none) {
+        if MARKS.iter().any(|&id| !matches!(dats.get_cell(id), Ok(Some(_)))) {
             return None;
         }
         let compiled = vestibule_forge::embedded_world().ok()?;
-        let same = MARKS.iter().zip(&marks).all(|(id, stored)| {
-            compiled.cell.get(id).map(Vec::as_slice) == stored.as_deref()
+        // A world that was changed by hand may lack what the guide speaks of.
+        let rooms = compiled.cell_names.keys().map(|cell| cell.0);
+        let same = MARKS.into_iter().chain(rooms).all(|id| {
+            let stored = dats.get_cell(id).ok().flatten();
+            stored.is_some() && compiled.cell.get(&id).map(Vec::as_slice) == stored.as_deref()
         });
-        same.then_some(Guide { start: compiled.start, names: compiled.cell_names })
+        same.then_some(Guide {
+            start: compiled.start,
+            names: compiled.cell_names,
+        })
     }
 
     /// The first cell of this name.
     pub fn cell(&self, name: &str) -> Option<CellId> {
-        self.names.iter().find(|(_, other)| *other == name).map(|(&id, _)| id)
+        self.names
+            .iter()
+            .find(|(_, other)| *other == name)
+            .map(|(&id, _)| id)
     }
 
     /// A cell's name; its id when it has none.

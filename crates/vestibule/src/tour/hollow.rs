@@ -27,12 +27,17 @@ impl Tour<'_, '_> {
     fn on_land(&self, x: f32, y: f32) -> Option<Position> {
         let land = CellId::new(VILLAGE, 0xFFFF);
         let ground = self.walker.world().ground_at(land, Vec3::new(x, y, 0.0))?;
-        Some(Position::new(ground.cell, ground.point.truncate().extend(ground.z + 0.01)))
+        Some(Position::new(
+            ground.cell,
+            ground.point.truncate().extend(ground.z + 0.01),
+        ))
     }
 
     /// A point of the village's landblock in the frame of the routes.
     fn routes(&self, point: Vec3) -> Vec2 {
-        self.walker.point(&Position::new(CellId::new(VILLAGE, 1), point)).truncate()
+        self.walker
+            .point(&Position::new(CellId::new(VILLAGE, 1), point))
+            .truncate()
     }
 
     /// All trials.
@@ -57,7 +62,10 @@ impl Tour<'_, '_> {
                 // The last step, which would have gone in, is not taken.
                 let left = (7.65 - 5.5 - REACH) - gone;
                 let short = left > -0.001 && left < PACE;
-                (short && walked.stopped && walked.one_cell(), format!("stopped after {gone:.2} m"))
+                (
+                    short && walked.stopped && walked.one_cell(),
+                    format!("stopped after {gone:.2} m"),
+                )
             },
         );
         self.attempt(
@@ -70,7 +78,10 @@ impl Tour<'_, '_> {
                 let slid = along > 2.5 && (into - (7.65 - 6.2 - REACH)).abs() < 0.02;
                 (
                     slid && walked.stopped && walked.one_cell(),
-                    format!("{into:.2} m to the wall, then {:.2} m along it", along - into * 4.0 / 3.0),
+                    format!(
+                        "{into:.2} m to the wall, then {:.2} m along it",
+                        along - into * 4.0 / 3.0
+                    ),
                 )
             },
         );
@@ -83,7 +94,10 @@ impl Tour<'_, '_> {
                 let along = walked.along(Vec2::X);
                 (
                     walked.outdoors() && walked.stopped && along > 4.0,
-                    format!("slid {along:.2} m along the wall, {} land cell(s)", walked.cells.len()),
+                    format!(
+                        "slid {along:.2} m along the wall, {} land cell(s)",
+                        walked.cells.len()
+                    ),
                 )
             },
         );
@@ -94,11 +108,20 @@ impl Tour<'_, '_> {
             |tour| {
                 let east = tour.push(-Vec2::X * PACE, 90);
                 let from = inside("mine.vault", mine(-31.0, 13.2, -4.99)).and_then(|at| tour.walker.put(&at));
-                let Some(from) = from else { return (false, "nobody can stand in the vault".to_owned()) };
+                let Some(from) = from else {
+                    return (false, "nobody can stand in the vault".to_owned());
+                };
                 tour.teleport(from);
                 let west = tour.push(Vec2::X * PACE, 90);
-                let names = format!("stayed in {} and {}", guide.name(east.cells[0]), guide.name(west.cells[0]));
-                (east.one_cell() && west.one_cell() && east.stopped && west.stopped, names)
+                let names = format!(
+                    "stayed in {} and {}",
+                    guide.name(east.cells[0]),
+                    guide.name(west.cells[0])
+                );
+                (
+                    east.one_cell() && west.one_cell() && east.stopped && west.stopped,
+                    names,
+                )
             },
         );
     }
@@ -114,7 +137,10 @@ impl Tour<'_, '_> {
                 let walked = tour.walk_to(foot, 60);
                 let walked = walked.then(tour.walk_to(top, 200));
                 let up = walked.rise();
-                ((up - 2.8).abs() < 0.05 && ends_in(tour, "cottage.loft"), format!("climbed {up:.2} m"))
+                (
+                    (up - 2.8).abs() < 0.05 && ends_in(tour, "cottage.loft"),
+                    format!("climbed {up:.2} m"),
+                )
             },
         );
         self.attempt(
@@ -124,7 +150,10 @@ impl Tour<'_, '_> {
             |tour| {
                 let walked = tour.walk_to(tour.routes(cottage(9.55, -4.3, 0.0)), 200);
                 let down = -walked.rise();
-                ((down - 2.8).abs() < 0.05 && ends_in(tour, "cottage.hall"), format!("came down {down:.2} m"))
+                (
+                    (down - 2.8).abs() < 0.05 && ends_in(tour, "cottage.hall"),
+                    format!("came down {down:.2} m"),
+                )
             },
         );
         self.attempt(
@@ -155,23 +184,35 @@ impl Tour<'_, '_> {
             },
         );
         let bridge = inside("mine.pit", mine(0.0, 12.0, -4.99));
-        self.attempt("edge of a bridge, walking", "is held at the edge", bridge, |tour| {
-            let walked = tour.push(Vec2::Y * PACE, 60);
-            let gone = walked.along(Vec2::Y);
-            (
-                walked.stopped && gone < 1.5 && walked.rise().abs() < 0.05 && walked.one_cell(),
-                format!("stopped after {gone:.2} m, {:.2} m beyond the edge", gone - 1.0),
-            )
-        });
-        self.attempt("edge of the same bridge, jumping", "falls 6 m into the pit and stands", bridge, |tour| {
-            let walked = tour.push(Vec2::Y * PACE, 5).then(tour.leap(1.5, Vec2::Y * PACE * 0.5));
-            let fell = -walked.rise();
-            let name = guide.name(tour.footing.at.cell);
-            (
-                (fell - 6.0).abs() < 0.05 && tour.footing.is_standing() && name.starts_with("mine.pit"),
-                format!("fell {fell:.2} m"),
-            )
-        });
+        self.attempt(
+            "edge of a bridge, walking",
+            "is held at the edge",
+            bridge,
+            |tour| {
+                let walked = tour.push(Vec2::Y * PACE, 60);
+                let gone = walked.along(Vec2::Y);
+                (
+                    walked.stopped && gone < 1.5 && walked.rise().abs() < 0.05 && walked.one_cell(),
+                    format!("stopped after {gone:.2} m, {:.2} m beyond the edge", gone - 1.0),
+                )
+            },
+        );
+        self.attempt(
+            "edge of the same bridge, jumping",
+            "falls 6 m into the pit and stands",
+            bridge,
+            |tour| {
+                let walked = tour
+                    .push(Vec2::Y * PACE, 5)
+                    .then(tour.leap(1.5, Vec2::Y * PACE * 0.5));
+                let fell = -walked.rise();
+                let name = guide.name(tour.footing.at.cell);
+                (
+                    (fell - 6.0).abs() < 0.05 && tour.footing.is_standing() && name.starts_with("mine.pit"),
+                    format!("fell {fell:.2} m"),
+                )
+            },
+        );
         self.attempt(
             "ramp, up out of the pit",
             "climbs 6 m back to the bridge's level",
@@ -193,21 +234,34 @@ impl Tour<'_, '_> {
             |tour| {
                 let walked = tour.push(-Vec2::X * PACE, 90);
                 let gone = walked.along(-Vec2::X);
-                (gone < 2.4 && walked.stopped && walked.one_cell(), format!("stopped after {gone:.2} m"))
+                (
+                    gone < 2.4 && walked.stopped && walked.one_cell(),
+                    format!("stopped after {gone:.2} m"),
+                )
             },
         );
         let hinge = cottage(5.6, -7.6, 0.0);
         let hall = guide.cell("cottage.hall");
         let leaf = hall.and_then(|hall| {
             let world = self.walker.world();
-            let statics = world.statics_in(hall).iter().filter_map(|&r| world.static_object(r));
+            let statics = world
+                .statics_in(hall)
+                .iter()
+                .filter_map(|&r| world.static_object(r));
             // The cottage's own door, which stands open at the other side of the opening.
             let own = cottage(7.4, -7.6, 0.0);
-            statics.min_by(|a, b| a.frame.origin.distance(own).total_cmp(&b.frame.origin.distance(own)))
+            statics.min_by(|a, b| {
+                a.frame
+                    .origin
+                    .distance(own)
+                    .total_cmp(&b.frame.origin.distance(own))
+            })
         });
         let frame = vestibule_world::Frame::new(hinge, super::facing(core::f32::consts::PI));
         let door = match (hall, leaf) {
-            (Some(cell), Some(leaf)) => self.walker.add_door(leaf.shape.clone(), &Position { cell, frame }),
+            (Some(cell), Some(leaf)) => self
+                .walker
+                .add_door(leaf.shape.clone(), &Position { cell, frame }),
             _ => None,
         };
         let Some(door) = door else {
@@ -215,33 +269,65 @@ impl Tour<'_, '_> {
             return;
         };
         let before = self.on_land(155.53, 17.6);
-        self.attempt("door that is shut", "stops before it, does not enter the hall", before, |tour| {
-            let walked = tour.push(-Vec2::Y * PACE, 90);
-            let gone = walked.along(-Vec2::Y);
-            let entered = walked.cells.iter().any(|&cell| hall == Some(cell));
-            (walked.stopped && !entered && gone > 1.0, format!("stopped after {gone:.2} m"))
-        });
+        self.attempt(
+            "door that is shut",
+            "stops before it, does not enter the hall",
+            before,
+            |tour| {
+                let walked = tour.push(-Vec2::Y * PACE, 90);
+                let gone = walked.along(-Vec2::Y);
+                let entered = walked.cells.iter().any(|&cell| hall == Some(cell));
+                (
+                    walked.stopped && !entered && gone > 1.0,
+                    format!("stopped after {gone:.2} m"),
+                )
+            },
+        );
         self.walker.set_open(door, true);
-        self.attempt("the same door, opened", "walks through into the hall", before, |tour| {
-            let walked = tour.push(-Vec2::Y * PACE, 30);
-            let gone = walked.along(-Vec2::Y);
-            (hall == Some(tour.footing.at.cell) && gone > 3.0, format!("walked {gone:.2} m"))
-        });
+        self.attempt(
+            "the same door, opened",
+            "walks through into the hall",
+            before,
+            |tour| {
+                let walked = tour.push(-Vec2::Y * PACE, 30);
+                let gone = walked.along(-Vec2::Y);
+                (
+                    hall == Some(tour.footing.at.cell) && gone > 3.0,
+                    format!("walked {gone:.2} m"),
+                )
+            },
+        );
         self.walker.remove_door(door);
     }
 
     fn try_land(&mut self) {
-        self.attempt("fence, walking", "stops before it", self.on_land(137.5, 13.0), |tour| {
-            let walked = tour.push(Vec2::X * PACE, 60);
-            let gone = walked.along(Vec2::X);
-            (gone < 2.2 && walked.stopped && walked.outdoors(), format!("stopped after {gone:.2} m"))
-        });
-        self.attempt("fence, jumping", "lands behind it", self.on_land(136.5, 13.0), |tour| {
-            let before = tour.push(Vec2::X * PACE, 14);
-            let walked = before.then(tour.leap(5.0, Vec2::X * PACE));
-            let (gone, up) = (walked.along(Vec2::X), walked.highest - walked.from.z);
-            (gone > 4.2 && up > 1.0 && walked.outdoors(), format!("rose {up:.2} m, landed {gone:.2} m on"))
-        });
+        self.attempt(
+            "fence, walking",
+            "stops before it",
+            self.on_land(137.5, 13.0),
+            |tour| {
+                let walked = tour.push(Vec2::X * PACE, 60);
+                let gone = walked.along(Vec2::X);
+                (
+                    gone < 2.2 && walked.stopped && walked.outdoors(),
+                    format!("stopped after {gone:.2} m"),
+                )
+            },
+        );
+        self.attempt(
+            "fence, jumping",
+            "lands behind it",
+            self.on_land(136.5, 13.0),
+            |tour| {
+                let before = tour.push(Vec2::X * PACE, 14);
+                let walked = before.then(tour.leap(5.0, Vec2::X * PACE));
+                let (gone, up) = (walked.along(Vec2::X), walked.highest - walked.from.z);
+                (
+                    gone > 4.2 && up > 1.0 && walked.outdoors(),
+                    format!("rose {up:.2} m, landed {gone:.2} m on"),
+                )
+            },
+        );
         self.attempt(
             "ridge, too steep to walk",
             "is turned back on its slope",
@@ -252,7 +338,10 @@ impl Tour<'_, '_> {
                 let contact = tour.footing.carried.contact;
                 let stands = contact.is_some_and(|contact| contact.plane.normal.z >= FLOOR_Z);
                 // Its crest is 38 m on and over 20 m up.
-                (gone < 25.0 && stands && walked.outdoors(), format!("got {gone:.1} m further and {up:.1} m up"))
+                (
+                    gone < 25.0 && stands && walked.outdoors(),
+                    format!("got {gone:.1} m further and {up:.1} m up"),
+                )
             },
         );
     }
@@ -260,14 +349,28 @@ impl Tour<'_, '_> {
     fn try_dungeon(&mut self, guide: &Guide) {
         let arrival = guide.cell("deep.arrival");
         let to = arrival.map(|cell| Position::new(cell, Vec3::new(60.0, -80.0, -19.99)));
-        self.attempt("teleport to the dungeon", "arrives in its first hall, sees no sky", to, |tour| {
-            let stood = tour.wait(30);
-            let list = tour.looks.last().and_then(|look| tour.eyes.as_ref()?.lists().get(look.list));
-            let sky = list.is_some_and(|list| list.outside);
-            let rooms = list.map_or(0, |list| list.rooms.len());
-            let here = arrival == Some(tour.footing.at.cell) && stood.one_cell();
-            (here && !sky, format!("arrived; {rooms} rooms in view, {}", if sky { "and the sky" } else { "no sky" }))
-        });
+        self.attempt(
+            "teleport to the dungeon",
+            "arrives in its first hall, sees no sky",
+            to,
+            |tour| {
+                let stood = tour.wait(30);
+                let list = tour
+                    .looks
+                    .last()
+                    .and_then(|look| tour.eyes.as_ref()?.lists().get(look.list));
+                let sky = list.is_some_and(|list| list.outside);
+                let rooms = list.map_or(0, |list| list.rooms.len());
+                let here = arrival == Some(tour.footing.at.cell) && stood.one_cell();
+                (
+                    here && !sky,
+                    format!(
+                        "arrived; {rooms} rooms in view, {}",
+                        if sky { "and the sky" } else { "no sky" }
+                    ),
+                )
+            },
+        );
         let before = self.entered.len();
         self.stops = true;
         if let Some(cell) = arrival.filter(|&cell| cell == self.footing.at.cell) {
@@ -275,7 +378,11 @@ impl Tour<'_, '_> {
         }
         self.stops = false;
         let met = self.entered.len() - before;
-        let all = guide.names.values().filter(|name| name.starts_with("deep.")).count();
+        let all = guide
+            .names
+            .values()
+            .filter(|name| name.starts_with("deep."))
+            .count();
         let expected = "every cell of the dungeon is walked through";
         let outcome = format!("{} of {all} cells", met + 1);
         self.report_after("the dungeon on foot", expected, outcome, met + 1 == all);

@@ -51,13 +51,7 @@ pub(super) struct Tick {
 
 impl MembershipCount {
     /// Counts a tick. Answers the cell before when it changed, and not by a teleport.
-    pub(super) fn count(
-        &mut self,
-        world: &World,
-        cell: CellId,
-        swept: CellId,
-        tick: Tick,
-    ) -> Option<CellId> {
+    pub(super) fn count(&mut self, world: &World, cell: CellId, swept: CellId, tick: Tick) -> Option<CellId> {
         self.ticks_off += usize::from(cell != swept);
         let before = self.now.replace(cell)?;
         if before == cell {
@@ -70,9 +64,9 @@ impl MembershipCount {
         self.changes += 1;
         self.while_standing += usize::from(tick.standing);
         self.through_walls += usize::from(!are_joined(world, before, cell));
-        let taken_back = self.last.is_some_and(|(from, to, at)| {
-            from == cell && to == before && tick.number - at <= FLICKER_TICKS
-        });
+        let taken_back = self
+            .last
+            .is_some_and(|(from, to, at)| from == cell && to == before && tick.number - at <= FLICKER_TICKS);
         self.flickers += usize::from(taken_back || tick.standing);
         self.last = Some((before, cell, tick.number));
         Some(before)
@@ -88,7 +82,9 @@ impl MembershipCount {
 fn are_joined(world: &World, a: CellId, b: CellId) -> bool {
     use vestibule_world::PortalTarget;
     let leads = |from: CellId, to: PortalTarget| {
-        world.env_cell(from).is_some_and(|cell| cell.portals.iter().any(|portal| portal.other == to))
+        world
+            .env_cell(from)
+            .is_some_and(|cell| cell.portals.iter().any(|portal| portal.other == to))
     };
     match (a.is_indoor(), b.is_indoor()) {
         (true, true) => leads(a, PortalTarget::Cell(b)) || leads(b, PortalTarget::Cell(a)),

@@ -4,9 +4,9 @@ use glam::Vec2;
 use vestibule_dat::{DatSet, RecordKind};
 use vestibule_world::BlockId;
 
+use super::Tour;
 use super::start::inside;
 use super::trial::PACE;
-use super::Tour;
 use crate::walker::Walker;
 
 /// Directions that are tried in a room.
@@ -49,18 +49,29 @@ impl Tour<'_, '_> {
         };
         self.attempt(head_on, stops, Some(room.at), |tour| {
             let walked = tour.push(heading * PACE, ticks);
-            (walked.stopped && walked.one_cell(), format!("stopped after {:.2} m", walked.along(heading)))
+            (
+                walked.stopped && walked.one_cell(),
+                format!("stopped after {:.2} m", walked.along(heading)),
+            )
         });
         let aside = Vec2::new(-heading.y, heading.x);
         self.attempt(slant, slides, Some(room.at), |tour| {
             let to_wall = tour.push(heading * PACE, ticks);
             let (left, right) = ((heading + aside) * 0.7 * PACE, (heading - aside) * 0.7 * PACE);
             let slid = tour.push(left, 30);
-            let slid = if slid.path < 0.2 { tour.push(right, 30) } else { slid };
+            let slid = if slid.path < 0.2 {
+                tour.push(right, 30)
+            } else {
+                slid
+            };
             let into = slid.along(heading);
             (
                 slid.path > 0.2 && into < 0.7 * slid.path,
-                format!("{:.2} m to the wall, then {:.2} m along it", to_wall.along(heading), slid.path),
+                format!(
+                    "{:.2} m to the wall, then {:.2} m along it",
+                    to_wall.along(heading),
+                    slid.path
+                ),
             )
         });
     }
@@ -73,13 +84,22 @@ impl Tour<'_, '_> {
             let broken = step.teleported
                 || !step.cell.is_indoor()
                 || before.is_some_and(|z: f32| (z - step.pos.z).abs() > 0.65);
-            low = if broken || step.pos.z < low { step.pos.z } else { low };
+            low = if broken || step.pos.z < low {
+                step.pos.z
+            } else {
+                low
+            };
             best = best.max(step.pos.z - low);
             before = Some(step.pos.z);
         }
         let (trial, expected) = ("stairs or ramps", "climbs from floor to floor");
         if best > CLIMB {
-            self.report_after(trial, expected, format!("climbed up to {best:.2} m indoors in one go"), true);
+            self.report_after(
+                trial,
+                expected,
+                format!("climbed up to {best:.2} m indoors in one go"),
+                true,
+            );
         } else {
             self.not_present(trial, expected, "none was walked on");
         }
@@ -92,14 +112,19 @@ impl Tour<'_, '_> {
 
     fn try_jump(&mut self) {
         let at = self.outside.at;
-        self.attempt("jump", "rises, lands where it was, in the same cell", Some(at), |tour| {
-            let walked = tour.leap(4.0, Vec2::ZERO);
-            let up = walked.highest - walked.from.z;
-            (
-                up > 0.05 && walked.one_cell() && walked.rise().abs() < 0.05,
-                format!("rose {up:.2} m"),
-            )
-        });
+        self.attempt(
+            "jump",
+            "rises, lands where it was, in the same cell",
+            Some(at),
+            |tour| {
+                let walked = tour.leap(4.0, Vec2::ZERO);
+                let up = walked.highest - walked.from.z;
+                (
+                    up > 0.05 && walked.one_cell() && walked.rise().abs() < 0.05,
+                    format!("rose {up:.2} m"),
+                )
+            },
+        );
     }
 
     fn try_found_dungeon(&mut self, dats: &DatSet) {
@@ -123,14 +148,20 @@ impl Tour<'_, '_> {
                 }
             }
         }
-        let (trial, expected) = ("teleport to a dungeon", "arrives in a cell of it, and stays in it");
+        let (trial, expected) = (
+            "teleport to a dungeon",
+            "arrives in a cell of it, and stays in it",
+        );
         let Some(place) = found else {
             self.not_present(trial, expected, "this world has no dungeon that one can stand in");
             return;
         };
         self.attempt(trial, expected, Some(place.at), |tour| {
             let stood = tour.wait(30);
-            (stood.one_cell() && tour.footing.at.cell == place.at.cell, "arrived".to_owned())
+            (
+                stood.one_cell() && tour.footing.at.cell == place.at.cell,
+                "arrived".to_owned(),
+            )
         });
     }
 }

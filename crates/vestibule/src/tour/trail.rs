@@ -132,4 +132,3 @@ pub(super) fn crossed(world: &World, from: CellId, now: &Position) -> Option<Str
     };
     Some(format!("{text}, {}", found.in_words()))
 }
-

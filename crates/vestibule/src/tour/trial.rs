@@ -56,7 +56,9 @@ pub(super) struct Walked {
 impl Walked {
     /// How far it led into a direction, metres.
     pub(super) fn along(&self, direction: Vec2) -> f32 {
-        (self.to - self.from).truncate().dot(direction.normalize_or_zero())
+        (self.to - self.from)
+            .truncate()
+            .dot(direction.normalize_or_zero())
     }
 
     /// How much higher it ended, metres.
@@ -136,7 +138,10 @@ impl Tour<'_, '_> {
 
     fn report(&mut self, trial: &str, expected: &str, outcome: String, passed: Option<bool>) {
         let cell = self.footing.at.cell;
-        let name = self.guide.as_ref().map_or_else(|| cell.to_string(), |guide| guide.name(cell));
+        let name = self
+            .guide
+            .as_ref()
+            .map_or_else(|| cell.to_string(), |guide| guide.name(cell));
         self.summary.trials.push(Trial {
             trial: trial.to_owned(),
             expected: expected.to_owned(),

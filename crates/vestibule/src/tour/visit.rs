@@ -293,7 +293,6 @@ impl Tour<'_, '_> {
             what,
         }
     }
-
 }
 
 /// Height of an opening's lowest corner in the frame of its landblock, metres.
@@ -323,4 +322,3 @@ fn window_from_outside(world: &World, opening: &Opening) -> bool {
     });
     lowest(opening) > ground.z + if steps { 2.0 * REACH } else { REACH }
 }
-

@@ -89,24 +89,39 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         return context.print_json(&json!({ "figures": rows }));
     }
     if cfg!(debug_assertions) {
-        anstream::eprintln!("{}warning{:#}: this is a debug build; time a release build", style::WARN, style::WARN);
+        anstream::eprintln!(
+            "{}warning{:#}: this is a debug build; time a release build",
+            style::WARN,
+            style::WARN
+        );
     }
     Ok(())
 }
 
-fn print(out: &mut impl Write, group: &mut &'static str, name: &'static str, f: &Figure) -> std::io::Result<()> {
+fn print(
+    out: &mut impl Write,
+    group: &mut &'static str,
+    name: &'static str,
+    f: &Figure,
+) -> std::io::Result<()> {
     if *group != name {
         let gap = if group.is_empty() { "" } else { "\n" };
         writeln!(out, "{gap}{}{name}{:#}", style::HEAD, style::HEAD)?;
         *group = name;
     }
-    let target = f.target.map_or_else(String::new, |t| format!("  {}[{t}]{:#}", style::DIM, style::DIM));
+    let target = f
+        .target
+        .map_or_else(String::new, |t| format!("  {}[{t}]{:#}", style::DIM, style::DIM));
     writeln!(out, "  {:<48}  {}{target}", f.name, f.value)?;
     out.flush()
 }
 
 fn figure(name: &str, value: String, target: Option<&'static str>) -> Figure {
-    Figure { name: name.to_owned(), value, target }
+    Figure {
+        name: name.to_owned(),
+        value,
+        target,
+    }
 }
 
 fn machine(found: &mut dyn FnMut(&'static str, Figure)) {
@@ -116,13 +131,32 @@ fn machine(found: &mut dyn FnMut(&'static str, Figure)) {
     let total = memory.lines().find_map(|line| line.strip_prefix("MemTotal:"));
     let kib = total.and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok());
     if let Some(kib) = kib {
-        found(group, figure("memory", format!("{:.1} GiB", kib / (1024.0 * 1024.0)), None));
+        found(
+            group,
+            figure("memory", format!("{:.1} GiB", kib / (1024.0 * 1024.0)), None),
+        );
     }
     let system = std::fs::read_to_string("/proc/sys/kernel/osrelease").unwrap_or_default();
-    let system = format!("{} {} {}", std::env::consts::OS, system.trim(), std::env::consts::ARCH);
+    let system = format!(
+        "{} {} {}",
+        std::env::consts::OS,
+        system.trim(),
+        std::env::consts::ARCH
+    );
     found(group, figure("system", system, None));
-    let build = if cfg!(debug_assertions) { "debug" } else { "release" };
-    found(group, figure("build", format!("vestibule {} {build}", env!("CARGO_PKG_VERSION")), None));
+    let build = if cfg!(debug_assertions) {
+        "debug"
+    } else {
+        "release"
+    };
+    found(
+        group,
+        figure(
+            "build",
+            format!("vestibule {} {build}", env!("CARGO_PKG_VERSION")),
+            None,
+        ),
+    );
 }
 
 fn embedded(found: &mut dyn FnMut(&'static str, Figure)) -> anyhow::Result<()> {
@@ -131,26 +165,54 @@ fn embedded(found: &mut dyn FnMut(&'static str, Figure)) -> anyhow::Result<()> {
     let dats = open_dats(None)?;
     let world = World::open(dats.clone())?;
     let took = begun.elapsed().as_secs_f64() * 1e3;
-    found(group, figure("compile its scene and open it", format!("{took:.0} ms"), None));
+    found(
+        group,
+        figure("compile its scene and open it", format!("{took:.0} ms"), None),
+    );
     for (name, look) in [("tour", false), ("tour with the camera looking", true)] {
-        let options = TourOptions { look, ..TourOptions::default() };
+        let options = TourOptions {
+            look,
+            ..TourOptions::default()
+        };
         let begun = Instant::now();
         let record = Tour::run(&world, &dats, options, &mut |_| {}, &mut |_| {})?;
         let seconds = begun.elapsed().as_secs_f64();
         let summary = &record.summary;
-        let value = format!("{} ticks in {seconds:.2} s, route planning included", summary.steps);
+        let value = format!(
+            "{} ticks in {seconds:.2} s, route planning included",
+            summary.steps
+        );
         found(group, figure(name, value, None));
         if let Some(seen) = &summary.seen {
-            let value = format!("{} to {}, median {}", seen.rooms_min, seen.rooms_max, seen.rooms_median);
+            let value = format!(
+                "{} to {}, median {}",
+                seen.rooms_min, seen.rooms_max, seen.rooms_median
+            );
             found(group, figure("rooms drawn a tick", value, None));
-            let flickers = format!("{} by the sweep, {} static", summary.by_sweep.flickers, summary.by_position.flickers);
-            found(group, figure("flickers of the cell", flickers, Some("0 by the sweep")));
+            let flickers = format!(
+                "{} by the sweep, {} static",
+                summary.by_sweep.flickers, summary.by_position.flickers
+            );
+            found(
+                group,
+                figure("flickers of the cell", flickers, Some("0 by the sweep")),
+            );
             let off = format!("{} of {}", summary.by_position.ticks_off, summary.steps);
-            found(group, figure("ticks that static puts into another cell", off, None));
+            found(
+                group,
+                figure("ticks that static puts into another cell", off, None),
+            );
         }
     }
     let m = view::measure(dats.clone(), "it", 1000, 20, 1)?;
-    found(group, figure("traversal", format!("{:.2} us, {:.0} ns a cell", m.us_per_view, m.ns_per_cell), None));
+    found(
+        group,
+        figure(
+            "traversal",
+            format!("{:.2} us, {:.0} ns a cell", m.us_per_view, m.ns_per_cell),
+            None,
+        ),
+    );
     for times in render::measure(dats, "it", (640, 480), 50, 1)? {
         let name = format!("640 x 480 on the processor, {}", times.group);
         let value = format!("{:.1} ms median, {:.1} ms most", times.median(), times.most());
@@ -159,7 +221,10 @@ fn embedded(found: &mut dyn FnMut(&'static str, Figure)) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn with_vectors(vectors: &std::path::Path, found: &mut dyn FnMut(&'static str, Figure)) -> anyhow::Result<()> {
+fn with_vectors(
+    vectors: &std::path::Path,
+    found: &mut dyn FnMut(&'static str, Figure),
+) -> anyhow::Result<()> {
     let group = "vectors";
     for world in SWEEP_WORLDS {
         let m = sweep::measure(vectors, world, SWEEPS)?;

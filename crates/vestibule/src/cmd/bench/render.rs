@@ -69,7 +69,12 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         return context.print_json(&json!({ "width": w, "height": h, "renderer": "cpu", "groups": groups }));
     }
     let out = &mut context.out;
-    writeln!(out, "{}{w} x {h}{:#} on the processor, one thread, {name}", style::HEAD, style::HEAD)?;
+    writeln!(
+        out,
+        "{}{w} x {h}{:#} on the processor, one thread, {name}",
+        style::HEAD,
+        style::HEAD
+    )?;
     let mut table = Table::new(&[
         ("eyes", Align::Left),
         ("pictures", Align::Right),
@@ -78,7 +83,12 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     ]);
     for t in &all {
         let ms = |v: f64| format!("{v:.1}");
-        table.row([t.group.to_owned(), t.count().to_string(), ms(t.median()), ms(t.most())]);
+        table.row([
+            t.group.to_owned(),
+            t.count().to_string(),
+            ms(t.median()),
+            ms(t.most()),
+        ]);
     }
     table.write(out)?;
     Ok(())
@@ -118,7 +128,12 @@ pub(super) fn measure(
     Ok(out)
 }
 
-fn time(world: &World, group: &'static str, cameras: &[Camera], done: &mut dyn FnMut()) -> anyhow::Result<Times> {
+fn time(
+    world: &World,
+    group: &'static str,
+    cameras: &[Camera],
+    done: &mut dyn FnMut(),
+) -> anyhow::Result<Times> {
     let studio = Studio::new(world);
     let mut sorted = Vec::with_capacity(cameras.len());
     for &camera in cameras {

@@ -68,7 +68,10 @@ pub(super) fn measure(vectors: &Path, name: &str, n: u64) -> anyhow::Result<Meas
     let mut workload = Workload::new(&world, bodies);
     let started = Instant::now();
     workload.run(n)?;
-    Ok(Measured { totals: workload.totals(), seconds: started.elapsed().as_secs_f64() })
+    Ok(Measured {
+        totals: workload.totals(),
+        seconds: started.elapsed().as_secs_f64(),
+    })
 }
 
 fn read_bodies(path: &Path) -> anyhow::Result<Vec<WorkloadBody>> {

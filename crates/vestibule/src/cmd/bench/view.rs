@@ -64,7 +64,11 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     )?;
     writeln!(out, "us per traversal  {:.2}", measured.us_per_view)?;
     writeln!(out, "ns per cell seen  {:.0}", measured.ns_per_cell)?;
-    writeln!(out, "cells seen        {:.1} on average, {} at most", measured.mean, measured.most)?;
+    writeln!(
+        out,
+        "cells seen        {:.1} on average, {} at most",
+        measured.mean, measured.most
+    )?;
     Ok(())
 }
 
@@ -107,7 +111,10 @@ pub(super) fn measure(
     }
     let seconds = started.elapsed().as_secs_f64();
     let runs = cameras.len() as f64 * f64::from(rounds.max(1));
-    anyhow::ensure!(check == seen * rounds.max(1) as usize, "traversals of the same eye differ");
+    anyhow::ensure!(
+        check == seen * rounds.max(1) as usize,
+        "traversals of the same eye differ"
+    );
     Ok(Measured {
         eyes: cameras.len(),
         env_cells: cells.len(),
@@ -134,7 +141,13 @@ pub(super) fn cells_of(dats: Arc<DatSet>, name: &str) -> anyhow::Result<(World, 
 }
 
 /// Eyes 1.6 m above the floors of random cells, looking anywhere over the ground.
-pub(super) fn cameras(world: &World, cells: &[CellId], eyes: usize, seed: u64, viewport: Vec2) -> Vec<Camera> {
+pub(super) fn cameras(
+    world: &World,
+    cells: &[CellId],
+    eyes: usize,
+    seed: u64,
+    viewport: Vec2,
+) -> Vec<Camera> {
     let mut random = Random(seed.max(1).wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
     let fov = retail_fov_y(core::f32::consts::FRAC_PI_2, viewport.x / viewport.y);
     (0..eyes)

@@ -44,7 +44,11 @@ struct Part {
 
 impl Part {
     fn beside(out: &Path) -> anyhow::Result<Part> {
-        anyhow::ensure!(!out.is_file(), "--out takes a folder; there is a file {}", out.display());
+        anyhow::ensure!(
+            !out.is_file(),
+            "--out takes a folder; there is a file {}",
+            out.display()
+        );
         let mut name = out.file_name().unwrap_or("world".as_ref()).to_owned();
         name.push(format!(".{}.part", std::process::id()));
         let folder = out.with_file_name(name);
@@ -96,7 +100,10 @@ fn print(
     let peak = peak_memory();
     let largest = report.dungeons.first().map_or(0, |&(_, cells)| cells);
     if context.json {
-        let files: Vec<_> = files.iter().map(|(name, bytes)| json!({ "name": name, "bytes": bytes })).collect();
+        let files: Vec<_> = files
+            .iter()
+            .map(|(name, bytes)| json!({ "name": name, "bytes": bytes }))
+            .collect();
         return context.print_json(&json!({
             "out": out, "files": files, "seconds": seconds, "peak_memory": peak, "start": report.start.to_string(),
             "landblocks": report.landblocks, "buildings": report.buildings,
@@ -141,6 +148,11 @@ fn print(
         table.row(["most memory".to_owned(), megabytes(peak)]);
     }
     table.write(&mut context.out)?;
-    writeln!(context.out, "\nwritten to {}; a place to begin: {}", out.display(), report.start)?;
+    writeln!(
+        context.out,
+        "\nwritten to {}; a place to begin: {}",
+        out.display(),
+        report.start
+    )?;
     Ok(())
 }
