@@ -89,10 +89,6 @@ pub(crate) fn plain_step_on_land(
     if !(to_cells > 0.0) {
         return None;
     }
-    let calm = step.distance_to_objects(block, id, to_cells);
-    if !(calm > 0.0) {
-        return None;
-    }
     let mut over = OverLand {
         cell,
         pose: step.candidate,
@@ -100,7 +96,9 @@ pub(crate) fn plain_step_on_land(
         contact: None,
     };
     settle(&mut over, MOVE_ATTEMPTS, None, 0.0)?;
-    if !step.is_within(&over.pose, calm) {
+    let moved = over.pose;
+    let objects = step.objects_around(block, id, &moved, false)?;
+    if !step.candidate.is_within(&moved, to_cells) {
         return None;
     }
     if over.contact.is_none() {
@@ -108,7 +106,10 @@ pub(crate) fn plain_step_on_land(
         let h = step.search_depth();
         over.shift(Vec3::new(0.0, 0.0, -h));
         settle(&mut over, STEP_DOWN_ATTEMPTS, Some(1.0), h)?;
-        if !step.is_within(&over.pose, calm) || over.contact?.normal.z < FLOOR_Z {
+        if !step.candidate.is_within(&over.pose, to_cells)
+            || !step.clears_objects(block, id, (&moved, objects), &over.pose)
+            || over.contact?.normal.z < FLOOR_Z
+        {
             return None;
         }
         // It must be possible to be placed there.

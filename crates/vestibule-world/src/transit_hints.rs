@@ -23,6 +23,8 @@ pub struct TransitHints {
     away: Box<[Plane]>,
     /// The planes of the cell BSP.
     planes: Box<[Plane]>,
+    /// They are all of them, and the cell holds points at all.
+    is_walled: bool,
     /// No polygon of the physics BSP enters this box; inside out when there is none.
     open: OpenSpace,
 }
@@ -79,7 +81,7 @@ impl TransitHints {
             Some(BoundingBox { min, max }) => {
                 q.x > min.x && q.x < max.x && q.y > min.y && q.y < max.y && q.z > min.z && q.z < max.z
             }
-            None => false,
+            None => self.is_walled && self.planes.iter().all(|plane| plane.dist(q) > SLACK + EPSILON),
         }
     }
 
@@ -93,14 +95,10 @@ impl TransitHints {
     ) -> f32 {
         /// Nearer than this a neighbour is looked at closely, metres.
         const NEAR: f32 = 0.1;
-        let (Some(BoundingBox { min, max }), Some(foot)) = (&self.core, spheres.first()) else {
+        let Some(foot) = spheres.first() else {
             return 0.0;
         };
-        let (a, b) = (foot.center - *min, *max - foot.center);
-        let mut least = a.x;
-        for d in [a.y, a.z, b.x, b.y, b.z] {
-            least = if d < least { d } else { least };
-        }
+        let mut least = self.distance_inside(foot.center);
         if !(least > 0.0) {
             return 0.0;
         }
@@ -119,6 +117,28 @@ impl TransitHints {
             least = if apart < least { apart } else { least };
         }
         least * UNIT_TOLERANCE
+    }
+
+    /// How far a point may be shifted and certainly stays inside the cell, metres. Zero or less: nothing is certain.
+    #[inline(always)]
+    fn distance_inside(&self, p: Vec3) -> f32 {
+        if let Some(BoundingBox { min, max }) = &self.core {
+            let (a, b) = (p - *min, *max - p);
+            let mut least = a.x;
+            for d in [a.y, a.z, b.x, b.y, b.z] {
+                least = if d < least { d } else { least };
+            }
+            return least;
+        }
+        if !self.is_walled {
+            return 0.0;
+        }
+        let mut least = f32::INFINITY;
+        for plane in &self.planes {
+            let d = plane.dist(p) - (SLACK + EPSILON);
+            least = if d < least { d } else { least };
+        }
+        least
     }
 
     /// How far spheres may be shifted together and certainly stay outside the cell, metres. Zero or less: nothing
@@ -224,14 +244,16 @@ fn hints_of(cell: &EnvCell, cells: &[Option<EnvCell>]) -> TransitHints {
     if !is_near(cell) || is_overgrown(cell) {
         return TransitHints::default();
     }
+    let planes = global_planes(cell);
     TransitHints {
         core: core_of(cell),
+        is_walled: !cell.portals.is_empty() && planes.len() == cell.structure.cell_bsp.planes().len(),
         away: cell
             .portals
             .iter()
             .map(|portal| away_from(cell, portal, cells))
             .collect(),
-        planes: global_planes(cell),
+        planes,
         open: open_space_of(cell),
     }
 }
