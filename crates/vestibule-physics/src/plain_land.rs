@@ -8,6 +8,7 @@ use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS, SHAPE_INTERP_LIMIT, STEP
 use crate::object_info::is_walkable_z;
 use crate::plain_step::{Candidate, PlainStep};
 use crate::sweep::{Scratch, Swept};
+use crate::transition::Calm;
 
 /// A candidate over terrain.
 struct OverLand<'a> {
@@ -75,6 +76,7 @@ pub(crate) fn plain_step_on_land(
     step: &PlainStep<'_>,
     block: &Landblock,
     scratch: &mut Scratch,
+    calm: &mut Calm,
 ) -> Option<Swept> {
     let id: CellId = step.from.cell;
     let cell = block.land_cell(id)?;
@@ -82,11 +84,9 @@ pub(crate) fn plain_step_on_land(
         .land
         .as_ref()
         .is_none_or(|land| land.water == Water::Entirely);
-    if cell.restriction.is_some() || cell.building.is_some() || drowned {
-        return None;
-    }
     let to_cells = calm_distance(step.world, id, step.candidate.spheres());
-    if !(to_cells > 0.0) {
+    *calm = Calm::around(id, step.candidate.spheres[0].center, to_cells);
+    if !(to_cells > 0.0) || cell.restriction.is_some() || cell.building.is_some() || drowned {
         return None;
     }
     let mut over = OverLand {

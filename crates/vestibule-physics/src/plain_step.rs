@@ -22,6 +22,7 @@ use crate::polygon;
 use crate::population::Population;
 use crate::sphere_path::Arms;
 use crate::sweep::{Carried, ContactPlane, Mover, Scratch, Swept};
+use crate::transition::Calm;
 
 /// A floor found below a candidate.
 pub(crate) struct OpenFloor {
@@ -233,7 +234,8 @@ pub(crate) struct PlainStep<'a> {
     pub(crate) low: Vec3,
 }
 
-/// A sweep of one step by `offset` from `from`, if it is a usual one. `to` says how the mover ends up turned.
+/// A sweep of one step by `offset` from `from`, if it is a usual one. `to` says how the mover ends up turned. `calm`
+/// takes what was found out about the candidate, for the longer way.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "those of a sweep")]
 pub(crate) fn plain_step(
@@ -245,6 +247,7 @@ pub(crate) fn plain_step(
     from: &Position,
     to: &Position,
     offset: Vec3,
+    calm: &mut Calm,
 ) -> Option<Swept> {
     let contact = carried.contact.as_ref()?;
     let unusual = !carried.on_walkable
@@ -300,21 +303,19 @@ pub(crate) fn plain_step(
         low: low + v,
     };
     if from.cell.is_indoor() {
-        step.in_room(block, scratch)
+        step.in_room(block, scratch, calm)
     } else {
-        plain_step_on_land(&step, block, scratch)
+        plain_step_on_land(&step, block, scratch, calm)
     }
 }
 
 impl PlainStep<'_> {
     #[inline(always)]
-    fn in_room(&self, block: &Landblock, scratch: &mut Scratch) -> Option<Swept> {
+    fn in_room(&self, block: &Landblock, scratch: &mut Scratch, calm: &mut Calm) -> Option<Swept> {
         let cell = block.env_cell(self.from.cell)?;
-        if cell.restriction.is_some() || !self.candidate.is_clear(cell) {
-            return None;
-        }
         let to_cells = calm_in_room(block, cell, self.candidate.spheres());
-        if !(to_cells > 0.0) {
+        *calm = Calm::around(cell.id, self.candidate.spheres[0].center, to_cells);
+        if !(to_cells > 0.0) || cell.restriction.is_some() || !self.candidate.is_clear(cell) {
             return None;
         }
         let objects = self.objects_around(block, cell.id, &self.candidate, false)?;

@@ -112,8 +112,8 @@ impl Transition<'_, '_> {
             || path.insert_type != InsertType::Transition
             || path.walkable_allowance != z
             || self.depth >= MAX_INSERTION_DEPTH
-            || cell.id != path.check_pos.cell
             || cell.restriction.is_some()
+            || !self.is_calm_in(cell.id)
         {
             return false;
         }
