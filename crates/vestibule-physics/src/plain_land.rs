@@ -6,8 +6,8 @@ use vestibule_world::{CellId, LandCell, Landblock, Plane, Water, calm_distance};
 
 use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS, SHAPE_INTERP_LIMIT, STEP_DOWN_ATTEMPTS};
 use crate::object_info::is_walkable_z;
-use crate::plain_step::{Candidate, PlainStep};
-use crate::sweep::{Scratch, Swept};
+use crate::plain_step::{Candidate, PlainEnd, PlainStep};
+use crate::sweep::Scratch;
 use crate::transition::Calm;
 
 /// A candidate over terrain.
@@ -77,7 +77,7 @@ pub(crate) fn plain_step_on_land(
     block: &Landblock,
     scratch: &mut Scratch,
     calm: &mut Calm,
-) -> Option<Swept> {
+) -> Option<PlainEnd> {
     let id: CellId = step.from.cell;
     let cell = block.land_cell(id)?;
     let drowned = block

@@ -220,14 +220,46 @@ fn larger_radius(spheres: &[Sphere]) -> f32 {
     larger
 }
 
+/// Where a usual step ends: in the cell it began in, on walkable ground.
+pub(crate) struct PlainEnd {
+    pub(crate) origin: Vec3,
+    /// What it stands on.
+    pub(crate) plane: Plane,
+    pub(crate) is_water: bool,
+}
+
+impl PlainEnd {
+    /// What the sweep comes to.
+    #[inline(always)]
+    pub(crate) fn swept(&self, mover: &Mover, carried: &Carried, cell: CellId, to: &Position) -> Swept {
+        let mut frame = to.frame;
+        frame.origin = self.origin;
+        let falls = mover.physics.has(PhysicsState::GRAVITY);
+        Swept {
+            ok: true,
+            cell: Some(cell),
+            position: Position { cell, frame },
+            contact: Some(ContactPlane {
+                plane: self.plane,
+                cell,
+                is_water: self.is_water,
+            }),
+            on_walkable: true,
+            collision_normal: None,
+            sliding_normal: None,
+            collided_with_environment: false,
+            stationary: if falls { 0 } else { carried.stationary },
+            velocity_killed: false,
+        }
+    }
+}
+
 /// What a usual step starts from.
 pub(crate) struct PlainStep<'a> {
     pub(crate) world: &'a World,
     pub(crate) population: &'a Population,
     pub(crate) mover: &'a Mover,
-    pub(crate) carried: &'a Carried,
     pub(crate) from: &'a Position,
-    pub(crate) to: &'a Position,
     /// The candidate after the step, before it is inserted.
     pub(crate) candidate: Candidate,
     /// The lowest point of the candidate.
@@ -248,7 +280,7 @@ pub(crate) fn plain_step(
     to: &Position,
     offset: Vec3,
     calm: &mut Calm,
-) -> Option<Swept> {
+) -> Option<PlainEnd> {
     let contact = carried.contact.as_ref()?;
     let unusual = !carried.on_walkable
         || mover.state.has(ObjectState::IS_VIEWER)
@@ -296,9 +328,7 @@ pub(crate) fn plain_step(
         world,
         population,
         mover,
-        carried,
         from,
-        to,
         candidate,
         low: low + v,
     };
@@ -311,7 +341,7 @@ pub(crate) fn plain_step(
 
 impl PlainStep<'_> {
     #[inline(always)]
-    fn in_room(&self, block: &Landblock, scratch: &mut Scratch, calm: &mut Calm) -> Option<Swept> {
+    fn in_room(&self, block: &Landblock, scratch: &mut Scratch, calm: &mut Calm) -> Option<PlainEnd> {
         let cell = block.env_cell(self.from.cell)?;
         let to_cells = calm_in_room(block, cell, self.candidate.spheres());
         *calm = Calm::around(cell.id, self.candidate.spheres[0].center, to_cells);
@@ -415,7 +445,7 @@ impl PlainStep<'_> {
         plane: Plane,
         is_water: bool,
         scratch: &mut Scratch,
-    ) -> Option<Swept> {
+    ) -> Option<PlainEnd> {
         let moved = (pose.origin - self.from.frame.origin).abs();
         if moved.x < EPSILON && moved.y < EPSILON && moved.z < EPSILON {
             return None;
@@ -424,24 +454,10 @@ impl PlainStep<'_> {
         scratch.cell_array.added_outside = !cell.is_indoor();
         scratch.cell_array.do_not_load_cells = false;
         scratch.touched.clear();
-        let mut frame = self.to.frame;
-        frame.origin = pose.origin;
-        let falls = self.mover.physics.has(PhysicsState::GRAVITY);
-        Some(Swept {
-            ok: true,
-            cell: Some(cell),
-            position: Position { cell, frame },
-            contact: Some(ContactPlane {
-                plane,
-                cell,
-                is_water,
-            }),
-            on_walkable: true,
-            collision_normal: None,
-            sliding_normal: None,
-            collided_with_environment: false,
-            stationary: if falls { 0 } else { self.carried.stationary },
-            velocity_killed: false,
+        Some(PlainEnd {
+            origin: pose.origin,
+            plane,
+            is_water,
         })
     }
 }

@@ -290,7 +290,7 @@ pub fn sweep(
     }
     let mut calm = Calm::NONE;
     if plan.steps == 1
-        && let Some(swept) = plain_step(
+        && let Some(end) = plain_step(
             world,
             population,
             scratch,
@@ -302,7 +302,7 @@ pub fn sweep(
             &mut calm,
         )
     {
-        return Ok(swept);
+        return Ok(end.swept(mover, carried, from.cell, to));
     }
     let mut transition = begin(
         world,
