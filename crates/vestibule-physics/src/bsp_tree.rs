@@ -208,6 +208,15 @@ fn walkable_hits<'b>(bsp: &'b PhysicsBsp, search: &WalkableSearch<'b>) -> Hits<'
     let (up, allowance) = (search.up, search.walkable_allowance);
     // Faces that hardly look up are then too steep for certain.
     let only_up = up.z > 0.9999 && allowance > 0.08;
+    if only_up && let Some(face) = bsp.only_face_up() {
+        if !(up.dot(face.plane.normal) > allowance) {
+            return Hits::None;
+        }
+        return match polygon::overlap(face, bsp.edges(face), &search.sphere) {
+            Overlap::None => Hits::None,
+            overlap => Hits::One(face, overlap),
+        };
+    }
     hits(bsp, &search.sphere, only_up, |face| {
         up.dot(face.plane.normal) > allowance
     })

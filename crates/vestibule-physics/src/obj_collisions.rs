@@ -8,6 +8,7 @@ use vestibule_world::{
 use crate::bsp_tree::spheres_overlap;
 use crate::flags::{ObjectKind, ObjectState, PhysicsState};
 use crate::math::length;
+use crate::plain_step::distance_to_statics;
 use crate::population::BodyId;
 use crate::sphere_path::LocalSpace;
 use crate::sweep::Touch;
@@ -78,6 +79,32 @@ impl<'w> Transition<'w, '_> {
         let shift = center - self.statics_calm.center;
         let calm = self.statics_calm.cell == cell && shift.dot(shift) < self.statics_calm.reach;
         calm || self.world.shadow_lists(block).is_empty_in(cell)
+    }
+
+    /// As [`Transition::has_no_objects_near`] at the candidate itself, looking closer.
+    pub(crate) fn has_statics_afar(&mut self, cell: CellId, block: &'w Landblock) -> bool {
+        let center = self.path.global_sphere[0].center;
+        if self.has_no_objects_near(cell, block, center) {
+            return true;
+        }
+        let alone = !self.population.has_bodies() || self.population.is_alone_in(cell, self.object.body);
+        if !alone
+            || !self.keeps_shape
+            || self.world.settings().exact
+            || cell.block() != self.path.check_pos.cell.block()
+        {
+            return false;
+        }
+        let spheres = &self.path.global_sphere[..self.path.num_sphere];
+        let least = distance_to_statics(self.world.shadow_lists(block), cell, spheres);
+        if least > 0.0 {
+            self.statics_calm = StaticsCalm {
+                cell,
+                center,
+                reach: least * least,
+            };
+        }
+        least > 0.0
     }
 
     #[inline(never)]

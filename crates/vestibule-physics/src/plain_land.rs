@@ -6,8 +6,9 @@ use vestibule_world::{CellId, LandCell, Landblock, Plane, Water, calm_distance};
 
 use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS, SHAPE_INTERP_LIMIT, STEP_DOWN_ATTEMPTS};
 use crate::object_info::is_walkable_z;
-use crate::plain_step::{Candidate, PlainStep};
-use crate::sweep::{Scratch, Swept};
+use crate::plain_step::{Candidate, PlainEnd, PlainStep};
+use crate::sweep::Scratch;
+use crate::transition::Calm;
 
 /// A candidate over terrain.
 struct OverLand<'a> {
@@ -75,22 +76,17 @@ pub(crate) fn plain_step_on_land(
     step: &PlainStep<'_>,
     block: &Landblock,
     scratch: &mut Scratch,
-) -> Option<Swept> {
+    calm: &mut Calm,
+) -> Option<PlainEnd> {
     let id: CellId = step.from.cell;
     let cell = block.land_cell(id)?;
     let drowned = block
         .land
         .as_ref()
         .is_none_or(|land| land.water == Water::Entirely);
-    if cell.restriction.is_some() || cell.building.is_some() || drowned {
-        return None;
-    }
     let to_cells = calm_distance(step.world, id, step.candidate.spheres());
-    if !(to_cells > 0.0) {
-        return None;
-    }
-    let calm = step.distance_to_objects(block, id, to_cells);
-    if !(calm > 0.0) {
+    *calm = Calm::around(id, step.candidate.spheres[0].center, to_cells);
+    if !(to_cells > 0.0) || cell.restriction.is_some() || cell.building.is_some() || drowned {
         return None;
     }
     let mut over = OverLand {
@@ -100,7 +96,9 @@ pub(crate) fn plain_step_on_land(
         contact: None,
     };
     settle(&mut over, MOVE_ATTEMPTS, None, 0.0)?;
-    if !step.is_within(&over.pose, calm) {
+    let moved = over.pose;
+    let objects = step.objects_around(block, id, &moved, false)?;
+    if !step.candidate.is_within(&moved, to_cells) {
         return None;
     }
     if over.contact.is_none() {
@@ -108,7 +106,10 @@ pub(crate) fn plain_step_on_land(
         let h = step.search_depth();
         over.shift(Vec3::new(0.0, 0.0, -h));
         settle(&mut over, STEP_DOWN_ATTEMPTS, Some(1.0), h)?;
-        if !step.is_within(&over.pose, calm) || over.contact?.normal.z < FLOOR_Z {
+        if !step.candidate.is_within(&over.pose, to_cells)
+            || !step.clears_objects(block, id, (&moved, objects), &over.pose)
+            || over.contact?.normal.z < FLOOR_Z
+        {
             return None;
         }
         // It must be possible to be placed there.

@@ -8,7 +8,8 @@
 
 use glam::Vec3;
 use vestibule_world::{
-    CellId, EnvCell, Landblock, Plane, Position, ShadowLists, Sphere, World, calm_in_room,
+    CellId, EnvCell, Frame, Landblock, PhysicsBsp, Plane, Position, ShadowLists, Sphere, StaticReach, World,
+    calm_in_room,
 };
 
 use crate::adjust_offset::along_planes;
@@ -21,6 +22,7 @@ use crate::polygon;
 use crate::population::Population;
 use crate::sphere_path::Arms;
 use crate::sweep::{Carried, ContactPlane, Mover, Scratch, Swept};
+use crate::transition::Calm;
 
 /// A floor found below a candidate.
 pub(crate) struct OpenFloor {
@@ -56,9 +58,36 @@ impl Candidate {
 
     /// Sphere `i` as the cell's polygons see it (retail `cache_localspace_sphere`).
     #[inline(always)]
-    fn local(&self, cell: &EnvCell, i: usize) -> Sphere {
+    pub(crate) fn local(&self, cell: &EnvCell, i: usize) -> Sphere {
         let center = cell.frame.global_to_local(self.origin + self.arms[i]);
         Sphere::new(center, self.spheres[i].radius)
+    }
+
+    /// Whether another pose is less than `distance` away.
+    #[inline(always)]
+    pub(crate) fn is_within(&self, pose: &Candidate, distance: f32) -> bool {
+        let shift = pose.spheres[0].center - self.spheres[0].center;
+        shift.dot(shift) < distance * distance
+    }
+
+    /// Whether an insertion finds nothing of a part of a static object.
+    fn clears_part(&self, frame: &Frame, bsp: &PhysicsBsp, bound: &Sphere, placing: bool) -> bool {
+        let local = |i: usize| {
+            Sphere::new(
+                frame.global_to_local(self.origin + self.arms[i]),
+                self.spheres[i].radius,
+            )
+        };
+        if !(0..self.count).any(|i| bsp_tree::spheres_overlap(bound, &local(i))) {
+            return true;
+        }
+        (0..self.count).all(|i| {
+            if placing {
+                !bsp_tree::sphere_intersects_solid(bsp, &local(i), true)
+            } else {
+                bsp_tree::overlaps_nothing(bsp, &local(i))
+            }
+        })
     }
 
     /// Whether a moving insertion into the cell finds nothing.
@@ -86,6 +115,27 @@ impl Candidate {
     }
 }
 
+/// The search for a floor of the cell in a step down by `h`, of which `interp` is left (6.11.1).
+#[inline(always)]
+pub(crate) fn search_below<'a>(
+    cell: &EnvCell,
+    at: &Candidate,
+    h: f32,
+    interp: f32,
+    z: f32,
+) -> WalkableSearch<'a> {
+    let [x, y, z_axis] = cell.frame.axes();
+    let up = Vec3::new(x.z, y.z, z_axis.z);
+    WalkableSearch {
+        sphere: at.local(cell, 0),
+        movement: up * -(h * interp),
+        up,
+        walkable_allowance: z,
+        walk_interp: interp,
+        found: None,
+    }
+}
+
 /// How a step down by `h` ends when it finds a floor of the cell and nothing of the cell is in the way of the
 /// candidate lifted onto it (5.8). `lowered` has been lowered and is lifted; `supported`: the floor must support the
 /// foot sphere. Whether the lifted candidate reaches other cells or objects is for the caller to see.
@@ -99,17 +149,8 @@ pub(crate) fn find_open_floor(
 ) -> Option<OpenFloor> {
     let bsp = cell.structure.physics.as_ref()?;
     let frame = &cell.frame;
-    let local = lowered.local(cell, 0);
-    let [x, y, z_axis] = frame.axes();
-    let up = Vec3::new(x.z, y.z, z_axis.z);
-    let mut search = WalkableSearch {
-        sphere: local,
-        movement: up * -h,
-        up,
-        walkable_allowance: z,
-        walk_interp: 1.0,
-        found: None,
-    };
+    let mut search = search_below(cell, lowered, h, 1.0, z);
+    let (local, up) = (search.sphere, search.up);
     bsp_tree::find_walkable(bsp, &mut search);
     let face = search.found?;
     let normal = frame.local_to_global_vec(face.plane.normal);
@@ -127,14 +168,7 @@ pub(crate) fn find_open_floor(
     // The next attempt must find nothing more to stand on.
     let foot = lowered.spheres[0];
     if !cell.hints.certainly_clear(&foot) {
-        let mut again = WalkableSearch {
-            sphere: lowered.local(cell, 0),
-            movement: up * -(h * search.walk_interp),
-            up,
-            walkable_allowance: z,
-            walk_interp: search.walk_interp,
-            found: None,
-        };
+        let mut again = search_below(cell, lowered, h, search.walk_interp, z);
         bsp_tree::find_walkable(bsp, &mut again);
         if again.found.is_some() {
             return None;
@@ -157,19 +191,67 @@ pub(crate) fn find_open_floor(
 /// How far the spheres may be shifted together before one comes near a static object of a cell, metres.
 #[inline(always)]
 pub(crate) fn distance_to_statics(lists: &ShadowLists, cell: CellId, spheres: &[Sphere]) -> f32 {
+    let larger = larger_radius(spheres);
+    let mut least = f32::INFINITY;
+    for (_, reach) in lists.with_reaches(cell) {
+        let d = distance_to_reach(reach, larger, spheres);
+        least = if d < least { d } else { least };
+    }
+    least
+}
+
+#[inline(always)]
+fn distance_to_reach(reach: &StaticReach, larger: f32, spheres: &[Sphere]) -> f32 {
+    let limit = reach.sphere.radius + reach.stretch * larger;
+    let mut least = f32::INFINITY;
+    for s in spheres {
+        let d = length(s.center - reach.sphere.center) - limit;
+        least = if d < least { d } else { least };
+    }
+    least
+}
+
+#[inline(always)]
+fn larger_radius(spheres: &[Sphere]) -> f32 {
     let mut larger = 0.0;
     for s in spheres {
         larger = if s.radius > larger { s.radius } else { larger };
     }
-    let mut least = f32::INFINITY;
-    for (_, reach) in lists.with_reaches(cell) {
-        let limit = reach.sphere.radius + reach.stretch * larger;
-        for s in spheres {
-            let d = length(s.center - reach.sphere.center) - limit;
-            least = if d < least { d } else { least };
+    larger
+}
+
+/// Where a usual step ends: in the cell it began in, on walkable ground.
+pub(crate) struct PlainEnd {
+    pub(crate) origin: Vec3,
+    /// What it stands on.
+    pub(crate) plane: Plane,
+    pub(crate) is_water: bool,
+}
+
+impl PlainEnd {
+    /// What the sweep comes to.
+    #[inline(always)]
+    pub(crate) fn swept(&self, mover: &Mover, carried: &Carried, cell: CellId, to: &Position) -> Swept {
+        let mut frame = to.frame;
+        frame.origin = self.origin;
+        let falls = mover.physics.has(PhysicsState::GRAVITY);
+        Swept {
+            ok: true,
+            cell: Some(cell),
+            position: Position { cell, frame },
+            contact: Some(ContactPlane {
+                plane: self.plane,
+                cell,
+                is_water: self.is_water,
+            }),
+            on_walkable: true,
+            collision_normal: None,
+            sliding_normal: None,
+            collided_with_environment: false,
+            stationary: if falls { 0 } else { carried.stationary },
+            velocity_killed: false,
         }
     }
-    least
 }
 
 /// What a usual step starts from.
@@ -177,16 +259,15 @@ pub(crate) struct PlainStep<'a> {
     pub(crate) world: &'a World,
     pub(crate) population: &'a Population,
     pub(crate) mover: &'a Mover,
-    pub(crate) carried: &'a Carried,
     pub(crate) from: &'a Position,
-    pub(crate) to: &'a Position,
     /// The candidate after the step, before it is inserted.
     pub(crate) candidate: Candidate,
     /// The lowest point of the candidate.
     pub(crate) low: Vec3,
 }
 
-/// A sweep of one step by `offset` from `from`, if it is a usual one. `to` says how the mover ends up turned.
+/// A sweep of one step by `offset` from `from`, if it is a usual one. `to` says how the mover ends up turned. `calm`
+/// takes what was found out about the candidate, for the longer way.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "those of a sweep")]
 pub(crate) fn plain_step(
@@ -198,11 +279,13 @@ pub(crate) fn plain_step(
     from: &Position,
     to: &Position,
     offset: Vec3,
-) -> Option<Swept> {
+    calm: &mut Calm,
+) -> Option<PlainEnd> {
     let contact = carried.contact.as_ref()?;
     let unusual = !carried.on_walkable
         || mover.state.has(ObjectState::IS_VIEWER)
         || mover.physics.has(PhysicsState::MISSILE)
+        || contact.cell.is_none()
         || contact.cell.block() != from.cell.block()
         || from.frame.rotation() != to.frame.rotation()
         || world.settings().exact;
@@ -219,11 +302,7 @@ pub(crate) fn plain_step(
     candidate.spheres[0].center = from.frame.origin + arms.center[0];
     candidate.spheres[1].center = from.frame.origin + arms.center[1];
 
-    // The offset, bent (4.2). In the floor one is pushed out of it.
-    let foot = candidate.spheres[0];
-    if contact.plane.dist(foot.center) < foot.radius - EPSILON && !contact.is_water {
-        return None;
-    }
+    // The offset, bent; a foot in the floor is pushed out of it first (4.2).
     let wall = match carried.sliding_normal {
         Some(n) => Some(normalised(n).unwrap_or(Vec3::ZERO)).filter(|&n| offset.dot(n) < 0.0),
         None => None,
@@ -232,68 +311,118 @@ pub(crate) fn plain_step(
     if EPSILON * EPSILON > v.dot(v) {
         return None;
     }
+    let mut low = from.frame.origin + arms.low;
+    if !contact.is_water {
+        let (foot, n) = (candidate.spheres[0], contact.plane.normal);
+        let s = contact.plane.dist(foot.center);
+        let z = (foot.radius - s) / n.z;
+        if s < foot.radius - EPSILON && foot.radius > z.abs() {
+            let push = Vec3::new(0.0, 0.0, z);
+            candidate.shift(push);
+            low += push;
+        }
+    }
     candidate.shift(v);
     let block = world.block(from.cell.block())?;
     let step = PlainStep {
         world,
         population,
         mover,
-        carried,
         from,
-        to,
         candidate,
-        low: from.frame.origin + arms.low + v,
+        low: low + v,
     };
     if from.cell.is_indoor() {
-        step.in_room(block, scratch)
+        step.in_room(block, scratch, calm)
     } else {
-        plain_step_on_land(&step, block, scratch)
+        plain_step_on_land(&step, block, scratch, calm)
     }
 }
 
 impl PlainStep<'_> {
     #[inline(always)]
-    fn in_room(&self, block: &Landblock, scratch: &mut Scratch) -> Option<Swept> {
+    fn in_room(&self, block: &Landblock, scratch: &mut Scratch, calm: &mut Calm) -> Option<PlainEnd> {
         let cell = block.env_cell(self.from.cell)?;
-        if cell.restriction.is_some() || !self.candidate.is_clear(cell) {
-            return None;
-        }
         let to_cells = calm_in_room(block, cell, self.candidate.spheres());
-        if !(to_cells > 0.0) {
+        *calm = Calm::around(cell.id, self.candidate.spheres[0].center, to_cells);
+        if !(to_cells > 0.0) || cell.restriction.is_some() || !self.candidate.is_clear(cell) {
             return None;
         }
-        let calm = self.distance_to_objects(block, cell.id, to_cells);
-        if !(calm > 0.0) {
-            return None;
-        }
+        let objects = self.objects_around(block, cell.id, &self.candidate, false)?;
         // The ground below (5.6).
         let h = self.search_depth();
         let mut lowered = self.candidate;
         lowered.shift(Vec3::new(0.0, 0.0, -h));
         let supported = self.mover.state.has(ObjectState::EDGE_SLIDE);
         let floor = find_open_floor(cell, &mut lowered, h, FLOOR_Z, supported)?;
-        if !self.is_within(&lowered, calm) {
+        if !self.candidate.is_within(&lowered, to_cells)
+            || !self.clears_objects(block, cell.id, (&self.candidate, objects), &lowered)
+        {
             return None;
         }
         self.end(cell.id, &lowered, floor.plane, false, scratch)
     }
 
-    /// How far the candidate may be shifted before it comes near an object, metres, at most `most`.
+    /// How far a pose may be shifted before it comes near an object, metres: zero when it is near some but clears
+    /// them. `None` when it does not, or that is not easily told. `placing`: as a placement insertion asks.
     #[inline(always)]
-    pub(crate) fn distance_to_objects(&self, block: &Landblock, cell: CellId, most: f32) -> f32 {
+    pub(crate) fn objects_around(
+        &self,
+        block: &Landblock,
+        cell: CellId,
+        pose: &Candidate,
+        placing: bool,
+    ) -> Option<f32> {
         if self.population.has_bodies() && !self.population.is_alone_in(cell, self.mover.body) {
-            return 0.0;
+            return None;
         }
         let lists = self.world.shadow_lists(block);
-        let d = distance_to_statics(lists, cell, self.candidate.spheres());
-        if d < most { d } else { most }
+        if lists.is_empty_in(cell) {
+            return Some(f32::INFINITY);
+        }
+        let least = distance_to_statics(lists, cell, pose.spheres());
+        if least > 0.0 {
+            return Some(least);
+        }
+        self.clears_statics(lists, cell, pose, placing).then_some(0.0)
     }
 
-    /// Whether a pose is less than `calm` from the candidate.
+    /// Whether a pose that is near static objects certainly touches none of them.
+    #[inline(never)]
+    fn clears_statics(&self, lists: &ShadowLists, cell: CellId, pose: &Candidate, placing: bool) -> bool {
+        let larger = larger_radius(pose.spheres());
+        lists.with_reaches(cell).all(|(r, reach)| {
+            if distance_to_reach(reach, larger, pose.spheres()) > 0.0 {
+                return true;
+            }
+            let Some(object) = self.world.static_object(r) else {
+                return true;
+            };
+            let mut parts = object.shape.parts.iter().zip(&object.part_frames);
+            object.shape.has_physics_bsp
+                && object.cell.block() == cell.block()
+                && parts.all(|(part, frame)| {
+                    let model = part.model.as_ref();
+                    let Some((bsp, bound)) =
+                        model.and_then(|m| Some((m.physics.as_ref()?, m.physics_sphere?)))
+                    else {
+                        return true;
+                    };
+                    part.scale.z == 1.0 && pose.clears_part(frame, bsp, &bound, placing)
+                })
+        })
+    }
+
+    /// Whether a placement insertion at `to` finds no object, given what [`PlainStep::objects_around`] said of `from`.
     #[inline(always)]
-    pub(crate) fn is_within(&self, pose: &Candidate, calm: f32) -> bool {
-        let shift = pose.spheres[0].center - self.candidate.spheres[0].center;
-        shift.dot(shift) < calm * calm
+    pub(crate) fn clears_objects(
+        &self,
+        block: &Landblock,
+        cell: CellId,
+        from: (&Candidate, f32),
+        to: &Candidate,
+    ) -> bool {
+        from.0.is_within(to, from.1) || self.objects_around(block, cell, to, true).is_some()
     }
 
     /// How far down ground is looked for at first, metres (5.6).
@@ -316,7 +445,7 @@ impl PlainStep<'_> {
         plane: Plane,
         is_water: bool,
         scratch: &mut Scratch,
-    ) -> Option<Swept> {
+    ) -> Option<PlainEnd> {
         let moved = (pose.origin - self.from.frame.origin).abs();
         if moved.x < EPSILON && moved.y < EPSILON && moved.z < EPSILON {
             return None;
@@ -325,24 +454,10 @@ impl PlainStep<'_> {
         scratch.cell_array.added_outside = !cell.is_indoor();
         scratch.cell_array.do_not_load_cells = false;
         scratch.touched.clear();
-        let mut frame = self.to.frame;
-        frame.origin = pose.origin;
-        let falls = self.mover.physics.has(PhysicsState::GRAVITY);
-        Some(Swept {
-            ok: true,
-            cell: Some(cell),
-            position: Position { cell, frame },
-            contact: Some(ContactPlane {
-                plane,
-                cell,
-                is_water,
-            }),
-            on_walkable: true,
-            collision_normal: None,
-            sliding_normal: None,
-            collided_with_environment: false,
-            stationary: if falls { 0 } else { self.carried.stationary },
-            velocity_killed: false,
+        Some(PlainEnd {
+            origin: pose.origin,
+            plane,
+            is_water,
         })
     }
 }

@@ -7,6 +7,7 @@ use vestibule_world::{CellId, EnvCell, Face, Frame, LandCell, Landblock, Physics
 
 use crate::constants::EPSILON;
 use crate::math::UP;
+use crate::plain_step::Candidate;
 use crate::transition::InsertType;
 
 /// A resident cell.
@@ -405,10 +406,15 @@ impl<'w> SpherePath<'w> {
         }
     }
 
-    /// Where the candidate's spheres are, relative to its origin.
+    /// The candidate by itself.
     #[inline]
-    pub(crate) fn arms(&self) -> [Vec3; 2] {
-        self.check_arms.center
+    pub(crate) fn candidate(&self) -> Candidate {
+        Candidate {
+            origin: self.check_pos.origin,
+            spheres: self.global_sphere,
+            arms: self.check_arms.center,
+            count: self.num_sphere,
+        }
     }
 
     /// A direction of the geometry being tested, global.

@@ -288,10 +288,21 @@ pub fn sweep(
             limit,
         });
     }
+    let mut calm = Calm::NONE;
     if plan.steps == 1
-        && let Some(swept) = plain_step(world, population, scratch, mover, carried, from, to, plan.offset)
+        && let Some(end) = plain_step(
+            world,
+            population,
+            scratch,
+            mover,
+            carried,
+            from,
+            to,
+            plan.offset,
+            &mut calm,
+        )
     {
-        return Ok(swept);
+        return Ok(end.swept(mover, carried, from.cell, to));
     }
     let mut transition = begin(
         world,
@@ -302,6 +313,7 @@ pub fn sweep(
         from,
         InsertType::Transition,
     );
+    transition.calm = calm;
     let ok = transition.find_valid_position(&plan);
     transition.outcome(ok, &to.frame)
 }
