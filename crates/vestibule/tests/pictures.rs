@@ -206,3 +206,38 @@ fn a_tour_draws_its_thresholds_and_a_film() {
     let film = std::fs::read(sandbox.join("film.png")).unwrap();
     assert!(film.windows(4).any(|w| w == b"acTL"), "it is animated");
 }
+
+/// The pictures of the documentation are made by the commands that stand beside them.
+#[test]
+fn the_commands_beside_the_pictures_of_the_documentation_make_them() {
+    let sandbox = Sandbox::new();
+    let folder = Path::new(support::REPOSITORY).join("docs/pictures");
+    let text = std::fs::read_to_string(folder.join("README.md")).unwrap();
+    std::fs::create_dir_all(sandbox.join("docs/pictures")).unwrap();
+    let commands: Vec<&str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("    vestibule "))
+        .collect();
+    assert!(commands.len() >= 7);
+    for command in &commands {
+        let (_, file) = command.rsplit_once(" -o ").unwrap();
+        sandbox.shell(&format!("vestibule {command}")).ok();
+        let kept = folder.join(file.rsplit('/').next().unwrap());
+        assert!(
+            kept.metadata().unwrap().len() < 150_000,
+            "{file} is too large for a page"
+        );
+        if file.ends_with(".png") {
+            let (made, kept) = (decode(&sandbox.join(file)), decode(&kept));
+            assert_eq!((made.0, made.1), (kept.0, kept.1), "{file}");
+        }
+    }
+    // Every picture is shown, and none is left over.
+    for entry in std::fs::read_dir(&folder).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        assert!(
+            name == "README.md" || text.contains(&format!("![]({name})")),
+            "{name}"
+        );
+    }
+}

@@ -15,6 +15,12 @@ const HEADINGS: [Vec2; 4] = [Vec2::X, Vec2::Y, Vec2::NEG_X, Vec2::NEG_Y];
 const MAX_BLOCKS: usize = 2000;
 /// A change of height that is worth telling of, metres.
 const CLIMB: f32 = 0.5;
+/// Speed of a jump, m/s.
+const JUMP: f32 = 4.0;
+/// Ticks after which a jump has shown that there is room, and how high it is then at least, metres.
+const ROOM_TICKS: u32 = 4;
+/// A jump rises at least this high, metres.
+const MIN_RISE: f32 = 0.05;
 
 impl Tour<'_, '_> {
     /// All trials that this world has something for.
@@ -111,20 +117,30 @@ impl Tour<'_, '_> {
     }
 
     fn try_jump(&mut self) {
-        let at = self.outside.at;
-        self.attempt(
-            "jump",
-            "rises, lands where it was, in the same cell",
-            Some(at),
-            |tour| {
-                let walked = tour.leap(4.0, Vec2::ZERO);
-                let up = walked.highest - walked.from.z;
-                (
-                    up > 0.05 && walked.one_cell() && walked.rise().abs() < 0.05,
-                    format!("rose {up:.2} m"),
-                )
-            },
-        );
+        let (trial, expected) = ("jump", "rises, lands where it was, in the same cell");
+        let mut places = vec![self.outside];
+        places.extend(self.rooms.iter().copied());
+        // Where there is room to rise at all: worlds have doorways that a hill reaches into.
+        let place = places.into_iter().find(|place| {
+            let mut now = self.walker.jump(place, JUMP);
+            for _ in 0..ROOM_TICKS {
+                now = self.walker.step(&now, Vec2::ZERO);
+            }
+            let up = self.walker.point(&now.at).z - self.walker.point(&place.at).z;
+            (MIN_RISE..1.0).contains(&up)
+        });
+        let Some(place) = place else {
+            self.not_present(trial, expected, "no place with room to jump was visited");
+            return;
+        };
+        self.attempt(trial, expected, Some(place.at), |tour| {
+            let walked = tour.leap(JUMP, Vec2::ZERO);
+            let up = walked.highest - walked.from.z;
+            (
+                up > MIN_RISE && walked.one_cell() && walked.rise().abs() < 0.05,
+                format!("rose {up:.2} m"),
+            )
+        });
     }
 
     fn try_found_dungeon(&mut self, dats: &DatSet) {
