@@ -53,6 +53,7 @@ mod place;
 mod raster;
 mod reference;
 mod scene;
+mod shade;
 mod sky;
 mod terrain_paint;
 mod texture;

@@ -12,10 +12,11 @@ use crate::id_image::IdImage;
 use crate::image::{Image, check_size};
 use crate::lighting::{Lamp, MAX_OBJECT_LAMPS};
 use crate::overlaps::overlapping_cells;
-use crate::paint::{MeshLight, Mode, Owner, Painter};
+use crate::paint::{Mode, Owner, Painter};
 use crate::raster::scan::{Affine, GROWTH, Projection};
 use crate::raster::{Buffers, PUNCH_DEPTH, PixelKind};
 use crate::scene::{LightDetail, RenderCounters, RenderSettings, Scene};
+use crate::shade::MeshLight;
 
 /// Draws the picture of a frame.
 ///
@@ -157,6 +158,7 @@ fn paint(
     for command in commands {
         run.command(frame, command);
     }
+    run.painter.resolve();
     Ok(run.painter)
 }
 

@@ -101,6 +101,8 @@ pub struct RenderSettings {
     /// Quality of the levels of detail of objects, -1…1 (`rendering.md` 17.1); for buildings see
     /// [`DetailedObjects`](crate::DetailedObjects).
     pub detail: f32,
+    /// Threads that colour a picture; 0 is as many as the machine runs at once. The picture is the same.
+    pub threads: usize,
 }
 
 impl Default for RenderSettings {
@@ -114,6 +116,7 @@ impl Default for RenderSettings {
             only_behind_exits: true,
             cull_terrain: true,
             detail: 0.0,
+            threads: 0,
         }
     }
 }

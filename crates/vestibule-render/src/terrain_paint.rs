@@ -223,7 +223,7 @@ impl Cover {
                     3 => (v, 1.0 - u),
                     _ => (u, v),
                 };
-                map.sample(u, v, 0.0, false)[3] / 255.0
+                f32::from(map.fetch(0, u, v, false)[3]) / 255.0
             }
             Cover::Corners(mask) => {
                 let on = |bit: u32| if mask & bit != 0 { 1.0 } else { 0.0 };
@@ -239,18 +239,26 @@ impl Cover {
 }
 
 impl CellPaint {
-    /// The colour (0…255) at (u, v) of the cell, u east, v south; `lod` is the mip level of a texture that covers
-    /// the cell once with 256 texels.
+    /// The texture of a cell that has only one.
     #[inline]
-    pub(crate) fn sample(&self, u: f32, v: f32, texels_per_pixel: f32) -> [f32; 3] {
-        let of = |t: &TypeTexture| -> [f32; 3] {
-            let texels = texels_per_pixel * t.tiling * t.texture.width() as f32;
-            let lod = if texels > 1.0 { libm::log2f(texels) } else { 0.0 };
-            let c = t.texture.sample(u * t.tiling, v * t.tiling, lod, true);
-            [c[0], c[1], c[2]]
+    pub(crate) fn plain(&self) -> Option<&TypeTexture> {
+        (self.overlays.is_empty() && self.roads.is_empty()).then_some(&self.base)
+    }
+
+    /// The colour at (u, v) of the cell, u east, v south; `texels` is the square of how much of the cell's side a pixel
+    /// covers.
+    #[inline]
+    pub(crate) fn fetch(&self, u: f32, v: f32, texels: f32) -> [u8; 4] {
+        let of = |t: &TypeTexture| -> [u8; 4] {
+            let size = t.tiling * t.texture.width() as f32;
+            let level = t.texture.level_for(texels * size * size);
+            t.texture.fetch(level, u * t.tiling, v * t.tiling, true)
         };
-        let mix = |below: [f32; 3], over: [f32; 3], a: f32| -> [f32; 3] {
-            core::array::from_fn(|k| over[k] + (below[k] - over[k]) * a)
+        let mix = |below: [u8; 4], over: [u8; 4], a: f32| -> [u8; 4] {
+            core::array::from_fn(|k| {
+                let (b, o) = (f32::from(below[k]), f32::from(over[k]));
+                (o + (b - o) * a + 0.5) as u8
+            })
         };
         let mut c = of(&self.base);
         for layer in &self.overlays {
@@ -406,8 +414,8 @@ mod tests {
             roads: vec![],
             road: solid(40),
         };
-        assert_eq!(cell.sample(0.5, 0.5, 0.0), [30.0; 3]);
+        assert_eq!(cell.fetch(0.5, 0.5, 0.0)[..3], [30; 3]);
         cell.roads.push(Cover::Whole);
-        assert_eq!(cell.sample(0.5, 0.5, 0.0), [40.0; 3]);
+        assert_eq!(cell.fetch(0.5, 0.5, 0.0)[..3], [40; 3]);
     }
 }
