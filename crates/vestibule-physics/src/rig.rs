@@ -11,6 +11,7 @@ use crate::flags::{ObjectState, PhysicsState};
 use crate::locomotion::Locomotion;
 use crate::population::Population;
 use crate::settings::Settings;
+use crate::sphere_path::LocalSpace;
 use crate::sweep::{self, Carried, ContactPlane, Mover, Scratch, Swept};
 use crate::transition::{InsertType, Transition};
 
@@ -82,6 +83,17 @@ impl Rig {
         let mut builder = records::Builder::new(BLOCK);
         builder.flat_block(0xAAB4);
         add_faces(&mut builder, center, rotation, faces);
+        Self::of(builder)
+    }
+
+    /// A world whose land cell (0, 0) slopes up to the east by `rise` m over 24 m, south half.
+    pub(crate) fn slope(rise: u8) -> Self {
+        let mut builder = records::Builder::new(BLOCK);
+        for j in 0..9 {
+            for i in 1..9 {
+                builder.heights[9 * i + j] = rise / 2;
+            }
+        }
         Self::of(builder)
     }
 
@@ -231,6 +243,26 @@ impl Rig {
         )
         .unwrap()
     }
+}
+
+/// The first polygon of the static object becomes the one last stood on.
+pub(crate) fn stand_on_polygon(t: &mut Transition<'_, '_>) {
+    let world = t.world;
+    let object = world.static_object(world.statics_in(LAND)[0]).unwrap();
+    let bsp = object.shape.parts[0]
+        .model
+        .as_ref()
+        .unwrap()
+        .physics
+        .as_ref()
+        .unwrap();
+    t.path.cache_localspace_sphere(LocalSpace {
+        cell: object.cell,
+        frame: &object.part_frames[0],
+        scale: 1.0,
+    });
+    let foot = t.path.localspace_foot;
+    t.path.set_walkable(foot, bsp, &bsp.faces()[0]);
 }
 
 /// The mover of the worked examples: foot 0.48 m over the ground, head at 1.355 m (`transition.md` 11).

@@ -91,19 +91,25 @@ impl Calm {
         failed_in: CellId::NONE,
     };
 
+    /// What is known of a candidate whose foot sphere is at `center`: how far it may be shifted, if at all.
     #[inline]
-    fn around(cell: CellId, center: Vec3, distance: f32) -> Self {
+    pub(crate) fn around(cell: CellId, center: Vec3, distance: f32) -> Self {
+        let (cell, failed_in) = if distance > 0.0 {
+            (cell, CellId::NONE)
+        } else {
+            (CellId::NONE, cell)
+        };
         Calm {
             cell,
             center,
             reach: distance * distance,
             array_is_stale: true,
-            failed_in: CellId::NONE,
+            failed_in,
         }
     }
 
     #[inline]
-    fn holds(&self, cell: CellId, center: Vec3) -> bool {
+    pub(crate) fn holds(&self, cell: CellId, center: Vec3) -> bool {
         let shift = center - self.center;
         self.cell == cell && shift.dot(shift) < self.reach
     }
@@ -184,6 +190,12 @@ impl<'w> Transition<'w, '_> {
     pub(crate) fn is_calm(&self) -> bool {
         self.calm
             .holds(self.path.check_pos.cell, self.path.global_sphere[0].center)
+    }
+
+    /// Whether the candidate certainly touches this cell only, which is its own.
+    #[inline(always)]
+    pub(crate) fn is_calm_in(&self, cell: CellId) -> bool {
+        cell == self.path.check_pos.cell && self.is_calm()
     }
 
     /// Rebuilds the cell array for the candidate; the cell that holds the foot sphere's centre if `want_cell`.

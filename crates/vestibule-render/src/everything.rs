@@ -131,6 +131,7 @@ fn paint(
         }
     }
     run.painter.flush();
+    run.painter.resolve();
     Ok(run.painter)
 }
 

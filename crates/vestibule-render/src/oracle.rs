@@ -20,6 +20,9 @@ const MAX_CROSSINGS: u32 = 128;
 /// Openings this little behind where the ray entered still count, metres.
 const BACK: f64 = 1.0e-7;
 
+/// Surfaces this little behind an opening lie in its plane, metres along the ray.
+const IN_PLANE: f64 = 1.0e-6;
+
 #[derive(Clone, Copy, Debug)]
 struct Triangle {
     corners: [DVec3; 3],
@@ -243,7 +246,8 @@ impl Oracle {
             for bunch in &space.bunches {
                 bunch.hit(eye, d, from - BACK, &mut best);
             }
-            let reach = best.map_or(f64::INFINITY, |(t, _)| t);
+            // A surface in the plane of an opening covers it: portal polygons can be larger than the hole in the wall.
+            let reach = best.map_or(f64::INFINITY, |(t, _)| t - IN_PLANE);
             let mut next: Option<(f64, &Opening)> = None;
             for opening in &space.openings {
                 if let Some(t) = opening.hit(eye, d) {

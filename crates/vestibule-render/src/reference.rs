@@ -12,10 +12,11 @@ use crate::id_image::IdImage;
 use crate::image::{Image, check_size};
 use crate::lighting::{Lamp, MAX_OBJECT_LAMPS};
 use crate::overlaps::overlapping_cells;
-use crate::paint::{MeshLight, Mode, Owner, Painter};
+use crate::paint::{Mode, Owner, Painter};
 use crate::raster::scan::{Affine, GROWTH, Projection};
 use crate::raster::{Buffers, PUNCH_DEPTH, PixelKind};
 use crate::scene::{LightDetail, RenderCounters, RenderSettings, Scene};
+use crate::shade::MeshLight;
 
 /// Draws the picture of a frame.
 ///
@@ -157,6 +158,7 @@ fn paint(
     for command in commands {
         run.command(frame, command);
     }
+    run.painter.resolve();
     Ok(run.painter)
 }
 
@@ -447,6 +449,21 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// The model to draw of a part at its distance, and its frame, turned to the viewer if the level says so; `None`
+    /// when nothing is drawn of it.
+    fn level(&self, block: BlockId, model: u32, frame: &Frame, scale: f32) -> Option<(u32, Frame)> {
+        let eye = self.painter.eye.eye_in(block).as_vec3();
+        // Within the 50 m in which parts have distances of their own everything is drawn in full.
+        let gap = frame.origin - eye;
+        let distance = libm::sqrtf(gap.dot(gap)) / scale;
+        let quality = self.painter.settings.detail;
+        let level = self
+            .scene
+            .assets
+            .model_level(self.scene.world, model, distance, quality);
+        Some((level.model?, crate::detail::turned(frame, eye, level.mode)))
+    }
+
     fn static_object(&mut self, id: StaticRef, cell: CellId, confine: &[Affine]) {
         let scene = self.scene;
         let Some(object) = scene.world.static_object(id) else {
@@ -460,11 +477,15 @@ impl<'a> Run<'a> {
         };
         let parts = object.shape.parts.iter().zip(&object.part_frames);
         for (part, frame) in parts {
-            let Some(mesh) = scene.assets.model(scene.world, part.model_id, None) else {
+            let block = object.cell.block();
+            let Some((model, frame)) = self.level(block, part.model_id, frame, part.scale.z) else {
+                continue;
+            };
+            let Some(mesh) = scene.assets.model(scene.world, model, None) else {
                 self.missing();
                 continue;
             };
-            let placed = self.painter.eye.place(object.cell.block(), frame, part.scale);
+            let placed = self.painter.eye.place(block, &frame, part.scale);
             self.lit_object(&mesh, &placed, owner, cell, 1.0, confine);
         }
     }
@@ -492,12 +513,16 @@ impl<'a> Run<'a> {
         };
         let mut drawn = false;
         for (part, frame) in body.shape().parts.iter().zip(body.part_frames()) {
-            let Some(mesh) = scene.assets.model(scene.world, part.model_id, None) else {
+            drawn = true;
+            let scale = part.scale * body.scale();
+            let Some((model, frame)) = self.level(block, part.model_id, frame, scale.z) else {
+                continue;
+            };
+            let Some(mesh) = scene.assets.model(scene.world, model, None) else {
                 self.missing();
                 continue;
             };
-            drawn = true;
-            let placed = self.painter.eye.place(block, frame, part.scale * body.scale());
+            let placed = self.painter.eye.place(block, &frame, scale);
             self.lit_object(&mesh, &placed, owner, cell, opacity, confine);
         }
         if !drawn {

@@ -17,10 +17,11 @@ const TYPES: usize = 33;
 
 /// The texture of a terrain type.
 #[derive(Clone, Debug)]
-pub(crate) struct TypeTexture {
-    pub(crate) texture: Arc<Texture>,
+pub struct TypeTexture {
+    /// The picture.
+    pub texture: Arc<Texture>,
     /// Repeats per cell.
-    pub(crate) tiling: f32,
+    pub tiling: f32,
 }
 
 /// A blend map and the corners it shows as the other terrain's.
@@ -42,7 +43,7 @@ pub struct TerrainPaint {
 
 /// How one layer covers a cell.
 #[derive(Clone, Debug)]
-pub(crate) enum Cover {
+pub enum Cover {
     /// By a map, turned by this many quarters.
     Map(Arc<Texture>, u32),
     /// By the corners alone, for worlds without maps: smooth from corner to corner.
@@ -53,19 +54,24 @@ pub(crate) enum Cover {
 
 /// One layer over the base.
 #[derive(Clone, Debug)]
-pub(crate) struct Layer {
-    pub(crate) texture: TypeTexture,
-    pub(crate) cover: Cover,
+pub struct Layer {
+    /// What it shows.
+    pub texture: TypeTexture,
+    /// Where.
+    pub cover: Cover,
 }
 
 /// How a land cell is painted.
 #[derive(Clone, Debug)]
-pub(crate) struct CellPaint {
-    pub(crate) base: TypeTexture,
-    pub(crate) overlays: Vec<Layer>,
+pub struct CellPaint {
+    /// Covers all of it.
+    pub base: TypeTexture,
+    /// Over the base, the last on top.
+    pub overlays: Vec<Layer>,
     /// Road maps; they share one texture.
-    pub(crate) roads: Vec<Cover>,
-    pub(crate) road: TypeTexture,
+    pub roads: Vec<Cover>,
+    /// The texture of roads, on top of everything.
+    pub road: TypeTexture,
 }
 
 impl TerrainPaint {
@@ -131,6 +137,17 @@ impl TerrainPaint {
     /// Whether any terrain type has a texture from a record.
     pub fn has_textures(&self) -> bool {
         self.textured
+    }
+
+    /// The textures of all terrain types, roads among them.
+    pub fn types(&self) -> &[TypeTexture] {
+        &self.types
+    }
+
+    /// The maps that layers are blended by, those of corners, sides and roads.
+    pub fn maps(&self) -> impl Iterator<Item = &Arc<Texture>> {
+        let all = [&self.corner_maps, &self.side_maps, &self.road_maps];
+        all.into_iter().flatten().map(|m| &m.map)
     }
 
     fn texture(&self, kind: usize) -> TypeTexture {
@@ -206,7 +223,7 @@ impl Cover {
                     3 => (v, 1.0 - u),
                     _ => (u, v),
                 };
-                map.sample(u, v, 0.0, false)[3] / 255.0
+                f32::from(map.fetch(0, u, v, false)[3]) / 255.0
             }
             Cover::Corners(mask) => {
                 let on = |bit: u32| if mask & bit != 0 { 1.0 } else { 0.0 };
@@ -222,18 +239,26 @@ impl Cover {
 }
 
 impl CellPaint {
-    /// The colour (0…255) at (u, v) of the cell, u east, v south; `lod` is the mip level of a texture that covers
-    /// the cell once with 256 texels.
+    /// The texture of a cell that has only one.
     #[inline]
-    pub(crate) fn sample(&self, u: f32, v: f32, texels_per_pixel: f32) -> [f32; 3] {
-        let of = |t: &TypeTexture| -> [f32; 3] {
-            let texels = texels_per_pixel * t.tiling * t.texture.width() as f32;
-            let lod = if texels > 1.0 { libm::log2f(texels) } else { 0.0 };
-            let c = t.texture.sample(u * t.tiling, v * t.tiling, lod, true);
-            [c[0], c[1], c[2]]
+    pub(crate) fn plain(&self) -> Option<&TypeTexture> {
+        (self.overlays.is_empty() && self.roads.is_empty()).then_some(&self.base)
+    }
+
+    /// The colour at (u, v) of the cell, u east, v south; `texels` is the square of how much of the cell's side a pixel
+    /// covers.
+    #[inline]
+    pub(crate) fn fetch(&self, u: f32, v: f32, texels: f32) -> [u8; 4] {
+        let of = |t: &TypeTexture| -> [u8; 4] {
+            let size = t.tiling * t.texture.width() as f32;
+            let level = t.texture.level_for(texels * size * size);
+            t.texture.fetch(level, u * t.tiling, v * t.tiling, true)
         };
-        let mix = |below: [f32; 3], over: [f32; 3], a: f32| -> [f32; 3] {
-            core::array::from_fn(|k| over[k] + (below[k] - over[k]) * a)
+        let mix = |below: [u8; 4], over: [u8; 4], a: f32| -> [u8; 4] {
+            core::array::from_fn(|k| {
+                let (b, o) = (f32::from(below[k]), f32::from(over[k]));
+                (o + (b - o) * a + 0.5) as u8
+            })
         };
         let mut c = of(&self.base);
         for layer in &self.overlays {
@@ -389,8 +414,8 @@ mod tests {
             roads: vec![],
             road: solid(40),
         };
-        assert_eq!(cell.sample(0.5, 0.5, 0.0), [30.0; 3]);
+        assert_eq!(cell.fetch(0.5, 0.5, 0.0)[..3], [30; 3]);
         cell.roads.push(Cover::Whole);
-        assert_eq!(cell.sample(0.5, 0.5, 0.0), [40.0; 3]);
+        assert_eq!(cell.fetch(0.5, 0.5, 0.0)[..3], [40; 3]);
     }
 }

@@ -209,6 +209,7 @@ impl Memory for Model {
             + self.physics.as_ref().map_or(0, |p| p.memory())
             + self.polygons.memory()
             + size_of_val(&*self.apertures)
+            + self.aperture_tree.memory()
     }
 }
 

@@ -4,6 +4,8 @@ mod bench;
 mod build;
 mod conform;
 mod dat;
+#[cfg(feature = "explore")]
+mod explore;
 mod id;
 mod inspect;
 mod ls;
@@ -31,6 +33,8 @@ pub(crate) enum Command {
     Refs(refs::Args),
     Visible(visible::Args),
     Render(render::Args),
+    #[cfg(feature = "explore")]
+    Explore(explore::Args),
     Walk(walk::Args),
     Replay(replay::Args),
     Map(map::Args),
@@ -53,6 +57,8 @@ impl Command {
             Command::Build(args) => build::run(args, context),
             Command::Visible(args) => visible::run(args, context),
             Command::Render(args) => render::run(args, context),
+            #[cfg(feature = "explore")]
+            Command::Explore(args) => explore::run(args, context),
             Command::Bench(command) => command.run(context),
             Command::Walk(args) => walk::run(args, context),
             Command::Replay(args) => replay::run(args, context),

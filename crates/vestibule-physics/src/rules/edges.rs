@@ -6,29 +6,8 @@ use vestibule_world::Plane;
 use crate::constants::FLOOR_Z;
 use crate::flags::ObjectState;
 use crate::rig::*;
-use crate::sphere_path::LocalSpace;
 use crate::sweep::Carried;
 use crate::transition::{Transition, TransitionState};
-
-/// The first polygon of the static object becomes the one last stood on.
-fn stand_on_polygon(t: &mut Transition<'_, '_>) {
-    let world = t.world;
-    let object = world.static_object(world.statics_in(LAND)[0]).unwrap();
-    let bsp = object.shape.parts[0]
-        .model
-        .as_ref()
-        .unwrap()
-        .physics
-        .as_ref()
-        .unwrap();
-    t.path.cache_localspace_sphere(LocalSpace {
-        cell: object.cell,
-        frame: &object.part_frames[0],
-        scale: 1.0,
-    });
-    let foot = t.path.localspace_foot;
-    t.path.set_walkable(foot, bsp, &bsp.faces()[0]);
-}
 
 /// A platform 5 m over the ground.
 fn platform() -> Rig {

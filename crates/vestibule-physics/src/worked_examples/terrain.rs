@@ -44,21 +44,10 @@ fn w36_terrain_in_contact() {
     assert_eq!(falling, (TransitionState::Ok, 0.0, true, true));
 }
 
-/// A world whose land cell (0, 0) slopes up to the east by `rise` m over 24 m, south half.
-fn slope(rise: u8) -> Rig {
-    let mut builder = records::Builder::new(BLOCK);
-    for j in 0..9 {
-        for i in 1..9 {
-            builder.heights[9 * i + j] = rise / 2;
-        }
-    }
-    Rig::of(builder)
-}
-
 #[test]
 fn w37_w38_penetrating_terrain_is_left_vertically() {
     for (carried, collides) in [(on_level(0.0), false), (Carried::default(), true)] {
-        let mut rig = slope(14);
+        let mut rig = Rig::slope(14);
         let mut t = rig.transition(&walker(), &carried, v(12.0, 6.0, 7.0 - 0.05));
         let cell = t.path.check_cell.unwrap();
         assert_eq!(t.find_collisions_in_cell(cell), TransitionState::Adjusted);
@@ -75,7 +64,7 @@ fn w37_w38_penetrating_terrain_is_left_vertically() {
 fn w39_too_steep_terrain_is_not_noticed_by_a_walker() {
     // 48 m over 24 m: N.z = 0.447.
     let check = |step_down: bool| {
-        let mut rig = slope(48);
+        let mut rig = Rig::slope(48);
         let mut t = rig.transition(&walker(), &on_level(24.0), v(12.0, 6.0, 24.0 - 0.05));
         t.info.clear_contact_plane();
         t.path.step_down = step_down;

@@ -178,3 +178,8 @@ fn overlap() -> Stage {
 
 /// Its first room: cell, middle of its floor.
 const OVERLAP: (u32, [f32; 3]) = (0x0101_0100, [50.0, 50.0, 0.0]);
+
+/// A room of the built-in world by its name.
+fn cell(name: &str) -> CellId {
+    common::hollow_records().cell_named(name).unwrap()
+}

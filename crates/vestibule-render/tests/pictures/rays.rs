@@ -1,5 +1,8 @@
 //! Pictures against the rays of the oracle.
 
+use vestibule_dat::record::EnvCell;
+use vestibule_world::Store;
+
 use crate::*;
 
 #[test]
@@ -81,4 +84,49 @@ fn r18_a_room_of_another_house_through_a_door() {
     }
     let looked_in = stage.frame.look_ins().list().len();
     assert!(seen > 0 || looked_in == 0, "{looked_in} looks, {seen} pixels");
+}
+
+#[test]
+fn links_made_exact_leave_nothing_to_dispute() {
+    // Where the two rooms of an inexact link draw their opening differently, the opening is what both have
+    // (`visibility.md` 3.4); in the rest of a room's own opening nobody has a surface. That, not the traversal, is what
+    // shows there: with the same links taken as exact, pictures and rays agree everywhere.
+    let exact = Stage::vectors_edited("gallery-1", |records| {
+        let cells: Vec<(u32, Vec<u8>)> = records
+            .iter()
+            .filter(|(store, id, _)| *store == Store::Cell && (0x0100..0xFFFE).contains(&(id & 0xFFFF)))
+            .map(|(_, id, bytes)| (id, bytes.to_vec()))
+            .collect();
+        for (id, bytes) in cells {
+            let mut cell = EnvCell::parse(id, &bytes).unwrap();
+            for portal in &mut cell.portals {
+                portal.flags |= 1;
+            }
+            records.insert(Store::Cell, id, cell.encode().unwrap());
+        }
+    });
+    let (Some(mut exact), Some(mut stage)) = (exact, Stage::vectors("gallery-1")) else {
+        return;
+    };
+    let (rooms, oracle, as_stored) = (Rooms::new(&stage), exact.oracle(), stage.oracle());
+    let mut random = Random(0x2545_F491_4F6C_DD1D);
+    let (mut total, mut stored) = (Difference::default(), Difference::default());
+    for _ in 0..poses(60) {
+        let camera = mixed_camera(&stage, &rooms, &mut random, SMALL);
+        let picture = exact.ids(camera);
+        total.add(compare_with_oracle(&picture, &oracle, &camera, |_, _, _, _| {}));
+        let picture = stage.ids(camera);
+        stored.add(compare_with_oracle(
+            &picture,
+            &as_stored,
+            &camera,
+            |_, _, _, _| {},
+        ));
+    }
+    assert_eq!(
+        (total.unexplained(), total.disputed, total.clear),
+        (0, 0, 0),
+        "{total:?}"
+    );
+    assert!(stored.disputed > 0 && stored.unexplained() == 0, "{stored:?}");
 }

@@ -1,5 +1,7 @@
 //! Rooms that see nothing of the outside.
 
+use vestibule_view::{PIVOT_OFFSET, ViewerTarget, update_viewer};
+
 use crate::*;
 
 #[test]
@@ -88,4 +90,86 @@ fn r3_no_clear_colour_in_sealed_rooms() {
         holes += ids_of(&stage, &cut).count(PixelKind::Background);
     }
     assert!(holes > 0);
+}
+
+/// The frame of a player who stands somewhere, seen by a camera behind it.
+fn stand(stage: &mut Stage, cell: CellId, feet: Vec3, behind: Vec3) -> Option<IdImage> {
+    let target = ViewerTarget::at(Position::new(cell, feet));
+    let mut sought = target.position;
+    sought.frame.origin += PIVOT_OFFSET + behind;
+    let (population, mut scratch) = (Population::new(), Scratch::default());
+    let viewer = update_viewer(
+        &stage.world,
+        &population,
+        &mut scratch,
+        &target,
+        PIVOT_OFFSET,
+        &sought,
+    );
+    let at = viewer.cell?.0;
+    Some(stage.ids(camera(at, viewer.position.frame.origin, -behind, SMALL, 1.2)))
+}
+
+#[test]
+fn study_test_4_a_player_in_a_dungeon_is_shown_no_terrain() {
+    let mut stage = Stage::hollow(DEEP).0;
+    let cells: Vec<_> = stage
+        .world
+        .block(stage.block)
+        .unwrap()
+        .env_cells()
+        .map(|c| (c.id, c.frame, c.seen_outside, c.structure.bounds.unwrap()))
+        .collect();
+    let mut seen = 0;
+    for (id, frame, seen_outside, bounds) in cells {
+        assert!(!seen_outside);
+        let middle = (bounds.min + bounds.max) * 0.5;
+        let feet = frame.local_to_global(Vec3::new(middle.x, middle.y, bounds.min.z + 0.01));
+        for turn in 0..8 {
+            let (s, c) = libm::sincosf(turn as f32 * core::f32::consts::TAU / 8.0);
+            let Some(picture) = stand(&mut stage, id, feet, Vec3::new(s * 2.0, c * 2.0, 0.6)) else {
+                continue;
+            };
+            seen += 1;
+            assert!(!stage.frame.draws_landscape());
+            assert_eq!(
+                picture.count(PixelKind::Terrain) + picture.count(PixelKind::Sky),
+                0
+            );
+        }
+    }
+    assert!(seen >= 72, "{seen}");
+}
+
+#[test]
+fn study_test_5_a_player_behind_an_exit_is_shown_terrain_clipped_to_it() {
+    let mut stage = village();
+    let oracle = stage.oracle();
+    let hall = CellId(0xA9B4_0101);
+    assert!(stage.world.env_cell(hall).unwrap().seen_outside);
+    let feet = Vec3::new(155.4, 13.6, 94.0);
+    // Looking out of the door.
+    let picture = stand(&mut stage, hall, feet, Vec3::new(0.0, -1.0, 0.2)).unwrap();
+    assert!(stage.frame.draws_landscape());
+    assert!(picture.count(PixelKind::Terrain) > 100);
+    let camera = *stage.frame.camera().unwrap();
+    assert!(camera.cell().is_indoor());
+    assert_eq!(wrong(&picture, &oracle, &camera), 0);
+    // Every pixel of it lies inside a region of the outside, or on its border.
+    for y in 0..SMALL.1 {
+        for x in 0..SMALL.0 {
+            if picture.get(x, y).unwrap().kind() != PixelKind::Terrain {
+                continue;
+            }
+            let ray = camera.ray_through(glam::Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
+            let shown = stage
+                .frame
+                .landscape_views()
+                .any(|r| r.edges().iter().all(|e| e.normal.dot(ray) >= -0.03));
+            assert!(shown, "({x}, {y})");
+        }
+    }
+    // Looking the other way there is no terrain, though the room is the same.
+    let picture = stand(&mut stage, hall, feet, Vec3::new(0.0, 1.0, 0.2)).unwrap();
+    assert_eq!(picture.count(PixelKind::Terrain), 0);
 }
