@@ -352,3 +352,56 @@ fn no_colours_where_there_is_no_terminal() {
         assert!(!sandbox.run(args).ok().out.contains('\u{1b}'), "{args:?}");
     }
 }
+
+#[test]
+fn a_synthetic_world_is_summed_up_and_the_same_every_time() {
+    let sandbox = Sandbox::new();
+    let build = |seed: &str, out: &str| {
+        let args = [
+            "build",
+            "--synthetic",
+            "small",
+            "--seed",
+            seed,
+            "--out",
+            out,
+            "--json",
+        ];
+        sandbox.run(&args).ok().json()
+    };
+    let (a, _, other) = (build("7", "a"), build("7", "b"), build("8", "c"));
+    assert_eq!(a["landblocks"], 144);
+    assert_eq!(a["env_cells"], 3000);
+    assert_eq!(a["buildings"], 40);
+    let cell = |folder: &str| std::fs::read(sandbox.join(folder).join("client_cell_1.dat")).unwrap();
+    assert_eq!(a["files"][0]["bytes"], cell("a").len());
+    assert_eq!(cell("a"), cell("b"));
+    assert_ne!(cell("a"), cell("c"));
+    assert_eq!(other["records"], a["records"], "{other}");
+    // Nothing is left of the folder it was built in, and the world can be used.
+    let names: Vec<_> = std::fs::read_dir(sandbox.path())
+        .unwrap()
+        .map(|e| e.unwrap().file_name())
+        .collect();
+    assert_eq!(names.len(), 3, "{names:?}");
+    sandbox.run(&["dat", "verify", "a"]).ok();
+    sandbox
+        .run(&["build", "--synthetic", "small", "--seed", "7", "--out", "a"])
+        .ok()
+        .shows(&["env cells", "3,000", "client_cell_1.dat", "written to a"]);
+}
+
+#[test]
+fn bench_render_times_pictures() {
+    let sandbox = Sandbox::new();
+    let json = sandbox
+        .run(&["bench", "render", "--size", "40x30", "--eyes", "3", "--json"])
+        .ok()
+        .json();
+    let groups = json["groups"].as_array().unwrap();
+    assert_eq!(groups.len(), 2);
+    assert!(
+        groups.iter().all(|g| g["median_ms"].as_f64().unwrap() > 0.0),
+        "{json}"
+    );
+}

@@ -5,7 +5,22 @@ mod render;
 mod sweep;
 mod view;
 
-use crate::ui::Context;
+use std::path::{Path, PathBuf};
+
+use crate::ui::{Context, hinted};
+
+/// The DAT files of a world of the vectors.
+fn vectors_world(vectors: &Path, name: &str) -> anyhow::Result<PathBuf> {
+    let folder = vectors.join("worlds").join(name);
+    if folder.is_dir() {
+        return Ok(folder);
+    }
+    let hint = "--vectors takes the folder of the test vectors, which has a folder worlds/ with a folder for each world";
+    Err(hinted(
+        anyhow::anyhow!("there is no world {name} in {}", vectors.display()),
+        hint,
+    ))
+}
 
 /// Time sweeps, traversals and pictures, or measure every figure at once
 #[derive(clap::Subcommand)]

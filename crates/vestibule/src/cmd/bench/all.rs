@@ -45,6 +45,12 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
+    if let Some(vectors) = &args.vectors {
+        // Before anything is measured.
+        for world in SWEEP_WORLDS {
+            super::vectors_world(vectors, world)?;
+        }
+    }
     let mut all: Vec<(&'static str, Figure)> = Vec::new();
     let mut group = "";
     {
@@ -236,7 +242,7 @@ fn with_vectors(
         );
         found(group, figure(&format!("sweep, {world}"), shares, None));
     }
-    let maze = open_dats(Some(&vectors.join("worlds").join("maze-424")))?;
+    let maze = open_dats(Some(&super::vectors_world(vectors, "maze-424")?))?;
     let m = view::measure(maze, "maze-424", 1000, 20, 1)?;
     let value = format!("{:.2} us, {:.0} ns a cell", m.us_per_view, m.ns_per_cell);
     found(group, figure("traversal, maze-424", value, Some("50 us")));

@@ -63,7 +63,7 @@ pub(super) struct Measured {
 
 /// Times `n` sweeps of the workload on a world of the vectors.
 pub(super) fn measure(vectors: &Path, name: &str, n: u64) -> anyhow::Result<Measured> {
-    let world = World::open(open_dats(Some(&vectors.join("worlds").join(name)))?)?;
+    let world = World::open(open_dats(Some(&super::vectors_world(vectors, name)?))?)?;
     let bodies = read_bodies(&vectors.join("bench").join(format!("{name}.jsonl")))?;
     let mut workload = Workload::new(&world, bodies);
     let started = Instant::now();

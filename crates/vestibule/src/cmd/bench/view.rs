@@ -44,7 +44,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let dats = match (&args.vectors, &args.world) {
-        (Some(vectors), Some(name)) => open_dats(Some(&vectors.join("worlds").join(name)))?,
+        (Some(vectors), Some(name)) => open_dats(Some(&super::vectors_world(vectors, name)?))?,
         _ => context.dats()?,
     };
     let measured = measure(dats, &context.world_name(), args.eyes, args.rounds, args.seed)?;
