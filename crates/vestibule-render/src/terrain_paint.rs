@@ -283,7 +283,7 @@ impl<'t> PaintWalk<'t> {
             }
             c = core::array::from_fn(|k| {
                 let (below, over) = (i32::from(c[k]), i32::from(over[k]));
-                (over + ((below - over) * w >> 8)) as u8
+                (over + (((below - over) * w) >> 8)) as u8
             });
         }
         c
