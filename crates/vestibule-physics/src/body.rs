@@ -305,6 +305,13 @@ impl Body {
         }
     }
 
+    /// Stops the body: its numbers have become unusable.
+    pub(crate) fn halt(&mut self) {
+        self.velocity = Vec3::ZERO;
+        self.omega = Vec3::ZERO;
+        self.calc_acceleration();
+    }
+
     /// Sets or clears [`TransientState::ON_WALKABLE`]; a walker that leaves the ground takes its motion along
     /// (`transition.md` 9.1.8, 9.5.2). Returns whether it changed.
     pub(crate) fn set_on_walkable(&mut self, on: bool, now: f64) -> bool {

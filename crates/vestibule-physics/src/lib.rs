@@ -10,7 +10,8 @@
 //!   [`Population::update`] moves a body on in time by its own [`Motion`], velocity and gravity,
 //!   [`Population::set_position`] teleports, [`Population::set_ethereal`] opens doors, [`Population::save`] keeps
 //!   everything.
-//! * [`sweep_viewer`] is the camera's own sweep: what is seen starts from the cell it ends in.
+//! * [`viewer_mover`] is the camera as a mover: what is seen starts from the cell its own sweep ends in, see
+//!   `vestibule-view`.
 //! * [`Settings`] switches retail's quirks off one by one; the default is retail.
 //! * [`workload`] is a fixed amount of walking, for benchmarks.
 //!
@@ -62,15 +63,21 @@ mod env_collisions;
 mod error;
 mod find_collisions;
 pub mod flags;
+#[cfg(test)]
+mod invariants;
 pub mod locomotion;
 mod math;
 mod obj_collisions;
 mod object_info;
 mod placement;
+mod plain_land;
+mod plain_step;
 mod polygon;
 mod population;
 #[cfg(test)]
 mod rig;
+#[cfg(test)]
+mod rules;
 pub mod save;
 mod set_position;
 mod settings;
@@ -102,4 +109,4 @@ pub use settings::Settings;
 pub use simulation::{BodyKey, Simulation, StepReport};
 pub use sweep::{Carried, ContactPlane, Mover, Scratch, Swept, Touch, place, sweep};
 pub use update::Quanta;
-pub use viewer::{Viewer, ViewerSubject, sweep_viewer, viewer_mover};
+pub use viewer::viewer_mover;

@@ -135,7 +135,15 @@ impl Population {
             self.try_end_ethereal(world, scratch, id);
         }
         if let Some((from, to)) = self.integrate(scratch, id, q, motion)? {
-            let swept = self.sweep(world, scratch, id, &to)?;
+            let swept = match self.sweep(world, scratch, id, &to) {
+                Ok(swept) => swept,
+                Err(error) => {
+                    if let Some(body) = self.body_mut(id) {
+                        body.halt();
+                    }
+                    return Err(error);
+                }
+            };
             self.end_update(world, scratch, id, &from, &to, q, &swept);
         }
         Ok(())
@@ -159,8 +167,7 @@ impl Population {
         let root = if root.is_finite() { root } else { Frame::IDENTITY };
         let mut frame = body.update_position(q, &root);
         if !frame.is_finite() {
-            body.velocity = glam::Vec3::ZERO;
-            body.omega = glam::Vec3::ZERO;
+            body.halt();
             return Err(SweepError::NotFinite {
                 what: "motion of the body",
             });

@@ -5,8 +5,8 @@ mod common;
 use common::*;
 use glam::Vec3;
 use vestibule_physics::{
-    Body, Carried, Motion, Mover, Placed, Placement, Population, Scratch, SetPositionFlags, Swept,
-    ViewerSubject, sweep, sweep_viewer,
+    Body, Carried, Motion, Mover, Placed, Placement, Population, Scratch, SetPositionFlags, Swept, sweep,
+    viewer_mover,
 };
 use vestibule_world::{CellId, Position, World};
 
@@ -214,29 +214,34 @@ fn s7_the_camera_has_its_own_cell() {
     while walk.at.origin().y < DOOR.y + 1.5 {
         walk.step(Vec3::new(0.0, 0.05, 0.0));
     }
-    let subject = ViewerSubject {
-        mover: walk.mover,
-        position: walk.at,
-        cell: Some(walk.at.cell),
-        pivot: walk.at.origin() + Vec3::new(0.0, 0.0, 1.5),
-    };
     let room = walk.at.cell;
     assert!(room.is_indoor());
+    let mut pivot = walk.at;
+    pivot.frame.origin.z += 1.5;
+    let camera = viewer_mover(&walk.mover);
     // Back through the doorway, level: outdoors. A little: still in the room.
-    let mut see = |back: f32| {
-        let mut sought = walk.at;
-        sought.frame.origin = subject.pivot - Vec3::new(0.0, back, 0.0);
-        sweep_viewer(&world, &walk.population, &mut walk.scratch, &subject, &sought).unwrap()
+    let mut see = |by: Vec3| {
+        let mut sought = pivot;
+        sought.frame.origin += by;
+        let state = Carried::default();
+        sweep(
+            &world,
+            &walk.population,
+            &mut walk.scratch,
+            &camera,
+            &state,
+            &pivot,
+            &sought,
+        )
+        .unwrap()
     };
-    let near = see(0.3);
-    assert_eq!(near.cell, Some(room));
-    let far = see(3.0);
+    let near = see(Vec3::new(0.0, -0.3, 0.0));
+    assert_eq!((near.ok, near.cell), (true, Some(room)));
+    let far = see(Vec3::new(0.0, -3.0, 0.0));
     let cell = far.cell.unwrap();
     assert!(!cell.is_indoor() && cell != room, "{far:?}");
     // Into the ground it stops above it.
-    let mut sought = walk.at;
-    sought.frame.origin = subject.pivot - Vec3::new(0.0, 0.0, 5.0);
-    let down = sweep_viewer(&world, &walk.population, &mut walk.scratch, &subject, &sought).unwrap();
+    let down = see(Vec3::new(0.0, 0.0, -5.0));
     assert!(down.position.origin().z > walk.at.origin().z + 0.25, "{down:?}");
 }
 

@@ -340,7 +340,7 @@ pub(crate) fn rgb(c: vestibule_dat::primitive::Argb) -> Vec3 {
 impl Assets {
     /// The lights that an env cell's shell is lit by: those of the static objects of the cell and of its stab list,
     /// in the frame of its landblock (`rendering.md` 12.6).
-    pub(crate) fn lamps(&self, world: &World, cell: &EnvCell) -> Arc<[crate::lighting::Lamp]> {
+    pub fn lamps(&self, world: &World, cell: &EnvCell) -> Arc<[crate::lighting::Lamp]> {
         cached(&self.lamps, cell.id.0, || {
             crate::lighting::lamps_of(self, world, cell)
         })
@@ -348,11 +348,7 @@ impl Assets {
 
     /// The ground of a landblock. `neighbours` tells, bit by bit, which of the eight blocks around it are loaded:
     /// the light on its border depends on them.
-    pub(crate) fn land(
-        &self,
-        world: &World,
-        block: vestibule_world::BlockId,
-    ) -> Option<Arc<crate::land::LandMesh>> {
+    pub fn land(&self, world: &World, block: vestibule_world::BlockId) -> Option<Arc<crate::land::LandMesh>> {
         let key = (block.0, crate::land::loaded_neighbours(world, block));
         cached(&self.lands, key, || {
             crate::land::LandMesh::build(self, world, block).map(Arc::new)

@@ -46,7 +46,7 @@ pub fn model_level(model: u32, levels: &[Degrade], distance: f32, quality: f32) 
 
 /// A part's frame turned to a viewer at `eye`, both in one frame, as the mode of its level says. What is turned to the
 /// viewer is the part's front, its y axis.
-pub(crate) fn turned(frame: &Frame, eye: Vec3, mode: u32) -> Frame {
+pub fn turned(frame: &Frame, eye: Vec3, mode: u32) -> Frame {
     let gap = eye - frame.origin;
     let rotation = match mode {
         2 => {

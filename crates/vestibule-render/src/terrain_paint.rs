@@ -17,10 +17,11 @@ const TYPES: usize = 33;
 
 /// The texture of a terrain type.
 #[derive(Clone, Debug)]
-pub(crate) struct TypeTexture {
-    pub(crate) texture: Arc<Texture>,
+pub struct TypeTexture {
+    /// The picture.
+    pub texture: Arc<Texture>,
     /// Repeats per cell.
-    pub(crate) tiling: f32,
+    pub tiling: f32,
 }
 
 /// A blend map and the corners it shows as the other terrain's.
@@ -42,7 +43,7 @@ pub struct TerrainPaint {
 
 /// How one layer covers a cell.
 #[derive(Clone, Debug)]
-pub(crate) enum Cover {
+pub enum Cover {
     /// By a map, turned by this many quarters.
     Map(Arc<Texture>, u32),
     /// By the corners alone, for worlds without maps: smooth from corner to corner.
@@ -53,19 +54,24 @@ pub(crate) enum Cover {
 
 /// One layer over the base.
 #[derive(Clone, Debug)]
-pub(crate) struct Layer {
-    pub(crate) texture: TypeTexture,
-    pub(crate) cover: Cover,
+pub struct Layer {
+    /// What it shows.
+    pub texture: TypeTexture,
+    /// Where.
+    pub cover: Cover,
 }
 
 /// How a land cell is painted.
 #[derive(Clone, Debug)]
-pub(crate) struct CellPaint {
-    pub(crate) base: TypeTexture,
-    pub(crate) overlays: Vec<Layer>,
+pub struct CellPaint {
+    /// Covers all of it.
+    pub base: TypeTexture,
+    /// Over the base, the last on top.
+    pub overlays: Vec<Layer>,
     /// Road maps; they share one texture.
-    pub(crate) roads: Vec<Cover>,
-    pub(crate) road: TypeTexture,
+    pub roads: Vec<Cover>,
+    /// The texture of roads, on top of everything.
+    pub road: TypeTexture,
 }
 
 impl TerrainPaint {
@@ -131,6 +137,17 @@ impl TerrainPaint {
     /// Whether any terrain type has a texture from a record.
     pub fn has_textures(&self) -> bool {
         self.textured
+    }
+
+    /// The textures of all terrain types, roads among them.
+    pub fn types(&self) -> &[TypeTexture] {
+        &self.types
+    }
+
+    /// The maps that layers are blended by, those of corners, sides and roads.
+    pub fn maps(&self) -> impl Iterator<Item = &Arc<Texture>> {
+        let all = [&self.corner_maps, &self.side_maps, &self.road_maps];
+        all.into_iter().flatten().map(|m| &m.map)
     }
 
     fn texture(&self, kind: usize) -> TypeTexture {

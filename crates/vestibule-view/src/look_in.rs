@@ -39,6 +39,7 @@ pub struct LookIns {
     pub(crate) list: Vec<LookIn>,
     pub(crate) edges: Vec<Edge>,
     order: Vec<(u32, u32)>,
+    stack: Vec<u32>,
     /// Doors in view whose room is not loaded.
     pub dead_doors: u32,
 }
@@ -56,7 +57,7 @@ impl LookIns {
         self.dead_doors = 0;
     }
 
-    /// What was seen: per building the doors of the first view far to near, then those of the next.
+    /// What was seen: per building the doors of the first view back to front, then those of the next.
     pub fn list(&self) -> &[LookIn] {
         &self.list
     }
@@ -103,7 +104,7 @@ impl PView {
             return 0;
         };
         let eye = camera.eye_in(openings.block());
-        order_doors(openings, house, eye, &mut out.order);
+        order_doors(openings, house, eye, &mut out.stack, &mut out.order);
         for (view, region) in (0u32..).zip(views) {
             for at in 0..out.order.len() {
                 let (_, index) = out.order[at];
@@ -216,11 +217,29 @@ impl PView {
     }
 }
 
-/// The doors of a house far to near, ties by portal: the order in which the shell's drawing BSP hands them out when
-/// its planes separate them (`visibility.md` 8.2).
-fn order_doors(openings: &BlockOpenings, house: &House, eye: Vec3, order: &mut Vec<(u32, u32)>) {
+/// The doors of a house back to front from the eye, as the shell's drawing BSP hands them out (`visibility.md` 8.2);
+/// without one by the distance of their middles, ties by portal.
+fn order_doors(
+    openings: &BlockOpenings,
+    house: &House,
+    eye: Vec3,
+    stack: &mut Vec<u32>,
+    order: &mut Vec<(u32, u32)>,
+) {
     order.clear();
-    for index in house.first_door..house.first_door + house.door_count {
+    let doors = house.first_door..house.first_door + house.door_count;
+    if !house.tree.is_empty() {
+        let local = house.frame.global_to_local(eye);
+        house.tree.back_to_front(local, stack, |portal| {
+            // Doors are in the order of the portals, one each.
+            let index = house.first_door + u32::from(portal);
+            if doors.contains(&index) {
+                order.push((0, index));
+            }
+        });
+        return;
+    }
+    for index in doors {
         let gap = openings.doors[index as usize].middle - eye;
         // Bits of non-negative floats sort as the floats do.
         order.push((gap.dot(gap).to_bits(), index));

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use glam::Vec3;
 use vestibule_world::{
-    BlockId, Building, CellBsp, CellId, EnvCell, Frame, Landblock, Plane, PortalTarget, World,
+    ApertureTree, BlockId, Building, CellBsp, CellId, EnvCell, Frame, Landblock, Plane, PortalTarget, World,
 };
 
 use crate::polygon_pieces::{Pieces, pieces};
@@ -86,6 +86,8 @@ pub(crate) struct House {
     pub(crate) frame: Frame,
     pub(crate) first_door: u32,
     pub(crate) door_count: u32,
+    /// In which order the doors are met; empty for houses given by hand.
+    pub(crate) tree: ApertureTree,
     /// Portals and apertures do not match one to one (`visibility.md` 2.3).
     pub(crate) mismatched: bool,
 }
@@ -136,7 +138,8 @@ pub struct PortalSpec {
     pub exact_match: bool,
 }
 
-/// A building given by hand: its openings to the landscape.
+/// A building given by hand: its openings to the landscape. They are met far to near by their middles, as there is
+/// no drawing BSP to say.
 #[derive(Clone, Debug)]
 pub struct HouseSpec {
     /// Building-local to landblock frame.
@@ -443,6 +446,7 @@ impl BlockOpenings {
                 frame: spec.frame,
                 first_door,
                 door_count: self.doors.len() as u32 - first_door,
+                tree: ApertureTree::default(),
                 mismatched: false,
             });
         }
@@ -495,6 +499,7 @@ impl BlockOpenings {
             frame: building.part_frames.first().copied().unwrap_or(building.frame),
             first_door: self.doors.len() as u32,
             door_count: 0,
+            tree: ApertureTree::default(),
             mismatched: false,
         };
         let model = building.shape.parts.first().and_then(|p| p.model.as_ref());
@@ -522,6 +527,7 @@ impl BlockOpenings {
                 );
             }
             house.door_count = self.doors.len() as u32 - house.first_door;
+            house.tree = model.aperture_tree.clone();
         }
         self.houses.push(house);
     }
@@ -544,7 +550,8 @@ fn on_block_border(vertices: &[Vec3]) -> bool {
 
 /// The compiled openings of a world, landblock by landblock, made when first asked for, from any thread.
 ///
-/// One value belongs to one [`World`]; share it by reference between viewers.
+/// One value belongs to one [`World`]; share it by reference between viewers. Where landblocks come and go, call
+/// [`Openings::forget`] for each whose residency changes: what has been compiled stays as it was.
 #[derive(Debug)]
 pub struct Openings {
     blocks: Box<[OnceLock<Option<Box<BlockOpenings>>>]>,
@@ -561,6 +568,22 @@ impl Openings {
     pub fn new() -> Self {
         Openings {
             blocks: (0..1usize << 16).map(|_| OnceLock::new()).collect(),
+        }
+    }
+
+    /// Forgets a landblock: it is compiled anew when next asked for. To be called when the landblock has been
+    /// released, has been loaded after it could not be had, or knows other env cells than before
+    /// ([`vestibule_world::CellManager`]); and to free memory. Returns whether there was anything to forget.
+    pub fn forget(&mut self, id: BlockId) -> bool {
+        self.blocks
+            .get_mut(usize::from(id.0))
+            .is_some_and(|slot| slot.take().is_some())
+    }
+
+    /// Forgets everything, as after [`vestibule_world::CellManager::reset`].
+    pub fn clear(&mut self) {
+        for slot in &mut self.blocks {
+            slot.take();
         }
     }
 

@@ -1,6 +1,9 @@
 //! Looking into buildings: `visibility.md` 8, examples V18-V20 and V34.
 
 mod common;
+#[path = "../../vestibule-world/tests/common/mod.rs"]
+#[allow(unused_imports, reason = "shared with another crate's tests")]
+mod records;
 
 use common::*;
 use glam::Vec3;
@@ -194,4 +197,83 @@ fn s8_4d_a_door_to_a_room_that_is_not_loaded_is_counted() {
     let (looks, floods) = look(&there, &camera, &[Region::new(&screen)], FloodSettings::default());
     assert!(looks.list().is_empty() && floods.is_empty());
     assert_eq!(looks.dead_doors, 1);
+}
+
+/// A model with openings 0 in the plane y = 0 and 1 in the plane x = 3, the second behind the first, as records.
+fn two_doors() -> vestibule_world::World {
+    use vestibule_dat::record::{BspKind, BspNode, BspTree, GfxObj};
+    use vestibule_world::Store;
+    let south = [
+        [-1.0, 0.0, 2.0],
+        [1.0, 0.0, 2.0],
+        [1.0, 0.0, 0.0],
+        [-1.0, 0.0, 0.0],
+    ];
+    let east = [[3.0, 1.0, 0.0], [3.0, 3.0, 0.0], [3.0, 3.0, 2.0], [3.0, 1.0, 2.0]];
+    let mut b = records::Builder::new(BLOCK.0);
+    let room = |low: u16, min: Vec3, corners: &[[f32; 3]]| {
+        records::Room::of_box(low, min, min + Vec3::splat(3.0)).opening(None, -1, false, corners)
+    };
+    b.room(room(0x100, Vec3::ZERO, &south));
+    b.room(room(0x101, Vec3::ZERO, &east));
+    b.building(Vec3::ZERO, &[(0x100, 0), (0x101, 0)]);
+    let faces = [south, east].map(|f| f.map(Vec3::from_array).to_vec());
+    b.model(0x0100_0001, &faces, false);
+    let is_model = |&(store, id, _): &(Store, u32, &[u8])| store == Store::Portal && id == 0x0100_0001;
+    let bytes = b.records.iter().find(is_model).unwrap().2.to_vec();
+    let mut model = GfxObj::parse(0x0100_0001, &bytes).unwrap();
+    let node = |plane, pos, neg, portal| BspNode::Portal {
+        plane,
+        pos,
+        neg,
+        sphere: Some(vestibule_dat::primitive::Sphere {
+            center: Vec3::ZERO,
+            radius: 10.0,
+        }),
+        polys: Vec::new(),
+        portal_polys: vec![(portal, portal)],
+    };
+    let leaf = BspNode::Leaf {
+        index: 0,
+        physics: None,
+    };
+    // The second opening is on the positive side of the first one's plane.
+    let nodes = vec![
+        node(records::plane(0.0, 1.0, 0.0, 0.0), 1, 4, 0),
+        node(records::plane(1.0, 0.0, 0.0, -3.0), 2, 3, 1),
+        leaf.clone(),
+        leaf.clone(),
+        leaf,
+    ];
+    model.drawing.as_mut().unwrap().bsp = BspTree {
+        kind: BspKind::Drawing,
+        nodes,
+    };
+    b.records.insert(Store::Portal, model.id, model.encode().unwrap());
+    for building in &mut b.info.buildings {
+        // Seen from the south and from the west: from the negative sides of both.
+        building.portals.iter_mut().for_each(|p| p.flags = 1);
+    }
+    b.world()
+}
+
+#[test]
+fn s8_2_doors_come_in_the_order_of_the_drawing_bsp() {
+    let world = two_doors();
+    let openings = BlockOpenings::compile(world.block(BLOCK).unwrap());
+    assert_eq!(openings.problems().mismatched_buildings, 0);
+    let order = |eye: Vec3, look: Vec3| {
+        let camera = outdoors(eye, look);
+        let (mut pview, mut out, mut floods) = (PView::default(), LookIns::new(), FloodArena::new());
+        let edges = whole_screen(&camera);
+        let views = [Region::new(&edges)];
+        pview.look_into_block(&openings, &camera, views.into_iter(), &mut out, &mut floods);
+        out.list().iter().map(|l| l.portal).collect::<Vec<_>>()
+    };
+    // From the south door 1 lies beyond the plane of door 0, wherever its middle is: it comes first although it is
+    // the nearer one from here.
+    let eye = Vec3::new(2.9, -0.5, 1.0);
+    let (south, east) = (Vec3::new(0.0, 0.0, 1.0), Vec3::new(3.0, 2.0, 1.0));
+    assert!((south - eye).length() > (east - eye).length());
+    assert_eq!(order(eye, Vec3::new(-0.7, 1.0, 0.0)), [1, 0]);
 }

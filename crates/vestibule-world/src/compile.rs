@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::Vec3;
 use vestibule_dat::{primitive, record};
 
+use crate::aperture_tree::ApertureTree;
 use crate::cell_bsp::CellBsp;
 use crate::env_cell::CellStruct;
 use crate::frame::Frame;
@@ -211,5 +212,10 @@ pub fn model(id: u32, record: &record::GfxObj) -> Model {
         }),
         polygons,
         apertures: apertures.into(),
+        aperture_tree: record
+            .drawing
+            .as_ref()
+            .map(|d| ApertureTree::of(&d.bsp))
+            .unwrap_or_default(),
     }
 }

@@ -30,6 +30,7 @@
 #![forbid(unsafe_code)]
 
 mod adjust_position;
+mod aperture_tree;
 mod assets;
 mod cell_array;
 mod cell_bsp;
@@ -65,13 +66,15 @@ mod transit_parts;
 mod world;
 
 pub use adjust_position::{AdjustedPosition, adjust_position, find_visible_child_cell};
+pub use aperture_tree::ApertureTree;
 pub use cell_array::{CellArray, CellEntry};
 pub use cell_bsp::{CellBsp, Inside};
 pub use cell_manager::CellManager;
 pub use env_cell::{CellPortal, CellStruct, EnvCell, PortalTarget};
 pub use error::{LoadProblem, ProblemKind, WorldError};
 pub use find_cell_list::{
-    CellList, MAX_CELL_LIST_CYLSPHERES, calm_distance, find_cell_list, find_cell_list_of_cylspheres,
+    CellList, MAX_CELL_LIST_CYLSPHERES, calm_distance, calm_in_room, find_cell_list,
+    find_cell_list_of_cylspheres,
 };
 pub use frame::{Frame, normalise};
 pub use geometry::{BoundingBox, CylSphere, Plane, Side, Sphere};
@@ -82,7 +85,7 @@ pub use polygon::{Polygon, PolygonSet};
 pub use position::{MapCoordinates, ParseMapCoordinatesError, ParsePositionError, Position, heading_of};
 pub use region::{REGION_RECORD, Region};
 pub use residency::{ResidencySettings, ResidencyStats};
-pub use shadow::{ShadowLists, calc_cross_cells_static, part_bounds};
+pub use shadow::{ShadowLists, StaticReach, calc_cross_cells_static, part_bounds};
 pub use shape::{Aperture, Building, BuildingPortal, Model, Shape, ShapePart, StaticObject, StaticRef};
 pub use source::{MemoryRecords, RecordSource, SourceError, Store};
 pub use terrain::{LandCell, Split, TerrainPolygon, TerrainWord, Water};

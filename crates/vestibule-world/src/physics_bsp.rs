@@ -156,6 +156,8 @@ pub struct PhysicsBsp {
     quads: Option<Box<[PlaneQuad]>>,
     /// How many of `quads` hold the faces that look up, which come first.
     up_quads: usize,
+    /// The only face that looks up, if there is one and `quads` exists.
+    only_up: Option<u32>,
     /// No polygon enters this box; empty (inside out) when there is none.
     open: BoundingBox,
     /// No leaf that is solid and has polygons reaches into `open`.
@@ -206,6 +208,7 @@ impl PhysicsBsp {
             });
         }
         let (quads, up_quads) = plane_quads(&faces);
+        let only_up = quads.as_deref().and_then(|quads| only_face_up(quads, &faces));
         let boxes: Vec<BoundingBox> = faces
             .iter()
             .filter_map(|f| {
@@ -220,6 +223,7 @@ impl PhysicsBsp {
         let mut bsp = PhysicsBsp {
             quads,
             up_quads,
+            only_up,
             open: open_box(&boxes).unwrap_or(NO_BOX),
             open_is_hollow: false,
             root,
@@ -231,6 +235,18 @@ impl PhysicsBsp {
         };
         bsp.audit();
         bsp
+    }
+
+    /// Leaves only the tree itself: every question is answered by a walk.
+    pub(crate) fn forget_hints(&mut self) {
+        self.quads = None;
+        self.up_quads = 0;
+        self.only_up = None;
+        self.open = NO_BOX;
+        self.open_is_hollow = false;
+        for face in &mut self.faces {
+            face.sound = false;
+        }
     }
 
     /// Works out what holds for the tree as a whole: which faces lie where it says, and whether its open space is
@@ -413,6 +429,12 @@ impl PhysicsBsp {
         Some(false)
     }
 
+    /// The face that looks up, if there is only one: normal z at least 0.05.
+    #[inline(always)]
+    pub fn only_face_up(&self) -> Option<&Face> {
+        self.faces.get(self.only_up? as usize)
+    }
+
     /// Whether a point is certainly not in a leaf that is solid and has polygons.
     #[inline]
     pub fn is_certainly_hollow_at(&self, p: Vec3) -> bool {
@@ -506,6 +528,16 @@ fn plane_quads(faces: &[Face]) -> (Option<Box<[PlaneQuad]>>, usize) {
         quad
     });
     (Some(quads.collect()), up.div_ceil(4))
+}
+
+fn only_face_up(quads: &[PlaneQuad], faces: &[Face]) -> Option<u32> {
+    let lanes = quads
+        .iter()
+        .flat_map(|q| q.faces.iter().zip(&q.z).zip(&q.d))
+        .filter(|((_, z), d)| **z >= LOOKS_UP && d.is_finite());
+    let mut up = lanes.map(|((&face, _), _)| face);
+    let only = up.next()?;
+    (up.next().is_none() && (only as usize) < faces.len()).then_some(only)
 }
 
 #[cfg(test)]

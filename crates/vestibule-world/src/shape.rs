@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use crate::aperture_tree::ApertureTree;
 use crate::frame::Frame;
 use crate::geometry::{BoundingBox, CylSphere, Sphere};
 use crate::ids::{BlockId, CellId};
@@ -36,6 +37,8 @@ pub struct Model {
     pub polygons: PolygonSet,
     /// Openings, ascending by portal index.
     pub apertures: Box<[Aperture]>,
+    /// In which order the openings are met (`visibility.md` 8.2).
+    pub aperture_tree: ApertureTree,
 }
 
 impl Model {

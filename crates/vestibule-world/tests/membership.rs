@@ -335,6 +335,7 @@ fn evidence_doorway() -> World {
         stabs: vec![0x171],
         seen_outside: true,
         statics: Vec::new(),
+        walls: Vec::new(),
     }
     .opening(None, -1, true, &exit)
     .opening(Some(0x171), 0, false, &to_room);

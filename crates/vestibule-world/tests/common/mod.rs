@@ -31,6 +31,8 @@ pub(crate) struct Room {
     pub stabs: Vec<u16>,
     pub seen_outside: bool,
     pub statics: Vec<Stab>,
+    /// Polygons that collide, room-local, counter-clockwise seen from the side they face.
+    pub walls: Vec<Vec<Vec3>>,
 }
 
 pub(crate) fn plane(x: f32, y: f32, z: f32, d: f32) -> Plane {
@@ -62,7 +64,13 @@ impl Room {
             stabs: Vec::new(),
             seen_outside: false,
             statics: Vec::new(),
+            walls: Vec::new(),
         }
+    }
+
+    pub(crate) fn walls(mut self, walls: &[Vec<Vec3>]) -> Self {
+        self.walls.extend_from_slice(walls);
+        self
     }
 
     pub(crate) fn opening(
@@ -120,6 +128,25 @@ pub(crate) fn empty_physics() -> BspTree {
     BspTree {
         kind: BspKind::Physics,
         nodes: vec![leaf],
+    }
+}
+
+/// A leaf with all of these polygons.
+pub(crate) fn one_leaf(polygons: &[Polygon]) -> BspTree {
+    let leaf = BspLeafPhysics {
+        solid: 0,
+        sphere: vestibule_dat::primitive::Sphere {
+            center: Vec3::ZERO,
+            radius: 500.0,
+        },
+        polys: polygons.iter().map(|p| p.id).collect(),
+    };
+    BspTree {
+        kind: BspKind::Physics,
+        nodes: vec![BspNode::Leaf {
+            index: 0,
+            physics: Some(leaf),
+        }],
     }
 }
 
@@ -212,8 +239,10 @@ impl Builder {
     }
 
     pub(crate) fn room(&mut self, room: Room) -> &mut Self {
-        let faces: Vec<Vec<Vec3>> = room.openings.iter().map(|o| o.corners.clone()).collect();
-        let (vertices, polygons) = vertices_and_polygons(&faces);
+        let mut faces: Vec<Vec<Vec3>> = room.openings.iter().map(|o| o.corners.clone()).collect();
+        faces.extend_from_slice(&room.walls);
+        let (vertices, mut polygons) = vertices_and_polygons(&faces);
+        let physics_polygons = polygons.split_off(room.openings.len());
         self.environments += 1;
         let environment = 0x0D00_0000 | self.environments;
         let cell_struct = CellStruct {
@@ -222,8 +251,12 @@ impl Builder {
             portals: polygons.iter().map(|p| p.id).collect(),
             polygons,
             cell_bsp: chain(&room.planes),
-            physics_polygons: Vec::new(),
-            physics_bsp: empty_physics(),
+            physics_bsp: if physics_polygons.is_empty() {
+                empty_physics()
+            } else {
+                one_leaf(&physics_polygons)
+            },
+            physics_polygons,
             has_drawing_bsp: Bool32(0),
             drawing_bsp: None,
         };
