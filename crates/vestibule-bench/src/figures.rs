@@ -81,6 +81,16 @@ pub fn only_crowds(folder: &Path, found: &mut dyn FnMut(Figure)) -> Result<(), B
     crowds(folder, &report, found)
 }
 
+/// The figures of loading and streaming only, in a world that is built into `folder` first.
+///
+/// # Errors
+/// As [`all`].
+pub fn only_streaming(folder: &Path, found: &mut dyn FnMut(Figure)) -> Result<(), BenchError> {
+    let report = build(folder, found)?;
+    cold_loads(folder, &report, found)?;
+    streaming(folder, &report, found)
+}
+
 fn golden_scenario(found: &mut dyn FnMut(Figure)) -> Result<(), BenchError> {
     for threads in [1, 2] {
         let begun = Instant::now();

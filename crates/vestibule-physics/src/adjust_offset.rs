@@ -16,19 +16,7 @@ impl Transition<'_, '_> {
         if !self.info.contact.valid {
             return if slide { v - s * v.dot(s) } else { v };
         }
-        let n = self.info.contact.plane.normal;
-        let k = v.dot(n);
-        let adjusted = if slide {
-            // Along the crease of floor and wall.
-            match normalised(n.cross(s)) {
-                Some(crease) => crease * crease.dot(v),
-                None => Vec3::ZERO,
-            }
-        } else if k > 0.0 {
-            snap_to_plane(v, n)
-        } else {
-            v - n * k
-        };
+        let adjusted = along_planes(v, self.info.contact.plane.normal, slide.then_some(s));
         self.safety_push();
         adjusted
     }
@@ -49,6 +37,23 @@ impl Transition<'_, '_> {
                 self.path.add_offset_to_check_pos(Vec3::new(0.0, 0.0, z));
             }
         }
+    }
+}
+
+/// An offset bent by the plane stood on, with normal `n`, and the wall slid along, if any.
+#[inline]
+pub(crate) fn along_planes(v: Vec3, n: Vec3, wall: Option<Vec3>) -> Vec3 {
+    let k = v.dot(n);
+    if let Some(s) = wall {
+        // Along the crease of floor and wall.
+        match normalised(n.cross(s)) {
+            Some(crease) => crease * crease.dot(v),
+            None => Vec3::ZERO,
+        }
+    } else if k > 0.0 {
+        snap_to_plane(v, n)
+    } else {
+        v - n * k
     }
 }
 

@@ -69,6 +69,13 @@ pub(crate) fn sphere_intersects_poly<'b>(
     !bsp.certainly_clear(s.center, s.radius) && finds_poly(bsp, s, movement, named)
 }
 
+/// Whether the sphere overlaps no polygon, moved into or not.
+#[inline(always)]
+pub(crate) fn overlaps_nothing(bsp: &PhysicsBsp, s: &Sphere) -> bool {
+    let mut named = None;
+    !sphere_intersects_poly(bsp, s, Vec3::ZERO, &mut named) && named.is_none()
+}
+
 #[inline(never)]
 fn finds_poly<'b>(bsp: &'b PhysicsBsp, s: &Sphere, movement: Vec3, named: &mut Option<&'b Face>) -> bool {
     match hits(bsp, s, false, |_| true) {
@@ -96,7 +103,7 @@ enum Hits<'b> {
 fn hits<'b>(bsp: &'b PhysicsBsp, s: &Sphere, only_up: bool, filter: impl Fn(&Face) -> bool) -> Hits<'b> {
     let mut hit = None;
     let several = bsp.any_face_near(s.center, s.radius - EPSILON, only_up, |face| {
-        if !filter(face) {
+        if !filter(face) || face.is_beyond(s) {
             return false;
         }
         let overlap = polygon::overlap(face, bsp.edges(face), s);
@@ -201,6 +208,15 @@ fn walkable_hits<'b>(bsp: &'b PhysicsBsp, search: &WalkableSearch<'b>) -> Hits<'
     let (up, allowance) = (search.up, search.walkable_allowance);
     // Faces that hardly look up are then too steep for certain.
     let only_up = up.z > 0.9999 && allowance > 0.08;
+    if only_up && let Some(face) = bsp.only_face_up() {
+        if !(up.dot(face.plane.normal) > allowance) {
+            return Hits::None;
+        }
+        return match polygon::overlap(face, bsp.edges(face), &search.sphere) {
+            Overlap::None => Hits::None,
+            overlap => Hits::One(face, overlap),
+        };
+    }
     hits(bsp, &search.sphere, only_up, |face| {
         up.dot(face.plane.normal) > allowance
     })

@@ -61,7 +61,9 @@ impl<'w> Transition<'w, '_> {
     #[inline(always)]
     fn is_in_open_space(&self, cell: &EnvCell) -> bool {
         let path = &self.path;
-        if path.check_pos.cell.block() != cell.id.block()
+        // Spheres that turn do so one step after the candidate (3.5.4): what collides is not where they are.
+        if !self.keeps_shape
+            || path.check_pos.cell.block() != cell.id.block()
             || !cell.hints.certainly_clear(&path.global_sphere[0])
         {
             return false;

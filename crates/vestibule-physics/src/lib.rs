@@ -70,6 +70,8 @@ mod math;
 mod obj_collisions;
 mod object_info;
 mod placement;
+mod plain_land;
+mod plain_step;
 mod polygon;
 mod population;
 #[cfg(test)]

@@ -1,10 +1,14 @@
 //! Collision with objects: which shape decides, and what a hit means (`transition.md` 7.7, 8.1, 8.2).
 
-use vestibule_world::{CellId, CylSphere, Frame, Landblock, Model, Shape, Sphere, StaticObject, StaticRef};
+use glam::Vec3;
+use vestibule_world::{
+    CellId, CylSphere, Frame, Landblock, Model, Shape, Sphere, StaticObject, StaticReach, StaticRef,
+};
 
 use crate::bsp_tree::spheres_overlap;
 use crate::flags::{ObjectKind, ObjectState, PhysicsState};
 use crate::math::length;
+use crate::plain_step::distance_to_statics;
 use crate::population::BodyId;
 use crate::sphere_path::LocalSpace;
 use crate::sweep::Touch;
@@ -59,21 +63,48 @@ impl<'w> Transition<'w, '_> {
     /// The objects that reach a cell, in the order they entered it (7.7).
     #[inline(always)]
     pub(crate) fn find_obj_collisions(&mut self, cell: CellId, block: &'w Landblock) -> TransitionState {
-        if self.has_no_objects_near(cell, block) {
+        if self.has_no_objects_near(cell, block, self.path.global_sphere[0].center) {
             return TransitionState::Ok;
         }
         self.find_any_obj_collisions(cell, block)
     }
 
-    /// Whether there certainly is no object of the cell in reach.
+    /// Whether there certainly is no object of the cell in reach of the candidate, shifted so that its foot sphere
+    /// is at `center`.
     #[inline(always)]
-    pub(crate) fn has_no_objects_near(&self, cell: CellId, block: &'w Landblock) -> bool {
-        if self.population.has_bodies() {
+    pub(crate) fn has_no_objects_near(&self, cell: CellId, block: &'w Landblock, center: Vec3) -> bool {
+        if self.population.has_bodies() && !self.population.is_alone_in(cell, self.object.body) {
             return false;
         }
-        let shift = self.path.global_sphere[0].center - self.statics_calm.center;
+        let shift = center - self.statics_calm.center;
         let calm = self.statics_calm.cell == cell && shift.dot(shift) < self.statics_calm.reach;
         calm || self.world.shadow_lists(block).is_empty_in(cell)
+    }
+
+    /// As [`Transition::has_no_objects_near`] at the candidate itself, looking closer.
+    pub(crate) fn has_statics_afar(&mut self, cell: CellId, block: &'w Landblock) -> bool {
+        let center = self.path.global_sphere[0].center;
+        if self.has_no_objects_near(cell, block, center) {
+            return true;
+        }
+        let alone = !self.population.has_bodies() || self.population.is_alone_in(cell, self.object.body);
+        if !alone
+            || !self.keeps_shape
+            || self.world.settings().exact
+            || cell.block() != self.path.check_pos.cell.block()
+        {
+            return false;
+        }
+        let spheres = &self.path.global_sphere[..self.path.num_sphere];
+        let least = distance_to_statics(self.world.shadow_lists(block), cell, spheres);
+        if least > 0.0 {
+            self.statics_calm = StaticsCalm {
+                cell,
+                center,
+                reach: least * least,
+            };
+        }
+        least > 0.0
     }
 
     #[inline(never)]
@@ -107,7 +138,7 @@ impl<'w> Transition<'w, '_> {
         let mut least = f32::INFINITY;
         for (r, reach) in self.world.shadow_lists(block).with_reaches(cell) {
             let distance = self.distance_to_reach(reach, cell);
-            if distance > 0.0 {
+            if distance > 0.0 && !self.world.settings().exact {
                 least = if distance < least { distance } else { least };
                 continue;
             }
@@ -133,9 +164,9 @@ impl<'w> Transition<'w, '_> {
     /// How far the mover may be shifted before any of its spheres comes near what `reach` holds, metres; zero or
     /// less when one may be. Farther off, all tests find nothing.
     #[inline]
-    fn distance_to_reach(&self, reach: &Sphere, cell: CellId) -> f32 {
+    fn distance_to_reach(&self, reach: &StaticReach, cell: CellId) -> f32 {
         let path = &self.path;
-        let mut center = reach.center;
+        let mut center = reach.sphere.center;
         if cell.block() != path.check_pos.cell.block() {
             center += self.blk(path.check_pos.cell, cell);
         }
@@ -145,8 +176,7 @@ impl<'w> Transition<'w, '_> {
         } else {
             foot.radius
         };
-        // A cylinder is square in section: its corners are farther than its radius and height say.
-        let limit = reach.radius + 1.5 * larger;
+        let limit = reach.sphere.radius + reach.stretch * larger;
         let to_foot = length(foot.center - center) - limit;
         if path.num_sphere < 2 {
             return to_foot;
@@ -233,7 +263,7 @@ impl<'w> Transition<'w, '_> {
             return TransitionState::Ok;
         }
         let offset = self.blk(self.path.check_pos.cell, target.cell);
-        let to_global = |p: glam::Vec3| offset + target.frame.local_to_global(p * target.scale);
+        let to_global = |p: Vec3| offset + target.frame.local_to_global(p * target.scale);
         for cylinder in &shape.cylspheres {
             let global = CylSphere {
                 low_point: to_global(cylinder.low_point),

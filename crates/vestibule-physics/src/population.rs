@@ -237,6 +237,11 @@ impl Population {
         !self.slots.is_empty()
     }
 
+    /// Whether no body but `body` reaches into a cell.
+    pub(crate) fn is_alone_in(&self, cell: CellId, body: Option<BodyId>) -> bool {
+        self.shadows_in(cell).iter().all(|&id| Some(id) == body)
+    }
+
     /// Whether there is no body.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

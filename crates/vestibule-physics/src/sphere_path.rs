@@ -7,6 +7,7 @@ use vestibule_world::{CellId, EnvCell, Face, Frame, LandCell, Landblock, Physics
 
 use crate::constants::EPSILON;
 use crate::math::UP;
+use crate::plain_step::Candidate;
 use crate::transition::InsertType;
 
 /// A resident cell.
@@ -78,14 +79,14 @@ pub(crate) struct Pose {
 
 /// The local points of the mover, rotated: what to add to an origin to place them.
 #[derive(Clone, Copy, Debug)]
-struct Arms {
-    center: [Vec3; 2],
-    low: Vec3,
+pub(crate) struct Arms {
+    pub(crate) center: [Vec3; 2],
+    pub(crate) low: Vec3,
 }
 
 impl Arms {
     #[inline]
-    fn of(frame: &Frame, spheres: &[Sphere; 2]) -> Self {
+    pub(crate) fn of(frame: &Frame, spheres: &[Sphere; 2]) -> Self {
         let foot = spheres[0];
         let low = Vec3::new(foot.center.x, foot.center.y, foot.center.z - foot.radius);
         if frame.rotation() == Quat::IDENTITY {
@@ -402,6 +403,17 @@ impl<'w> SpherePath<'w> {
             local
         } else {
             1.0 / space.scale * local
+        }
+    }
+
+    /// The candidate by itself.
+    #[inline]
+    pub(crate) fn candidate(&self) -> Candidate {
+        Candidate {
+            origin: self.check_pos.origin,
+            spheres: self.global_sphere,
+            arms: self.check_arms.center,
+            count: self.num_sphere,
         }
     }
 

@@ -2,8 +2,12 @@
 
 use glam::Vec3;
 
-use crate::constants::{DEFAULT_STEP_HEIGHT, FLOOR_Z, STEP_DOWN_ATTEMPTS, Z_FOR_LANDING};
+use crate::bsp_tree;
+use crate::constants::{
+    DEFAULT_STEP_HEIGHT, FLOOR_Z, MAX_INSERTION_DEPTH, STEP_DOWN_ATTEMPTS, Z_FOR_LANDING,
+};
 use crate::flags::ObjectState;
+use crate::plain_step::{find_open_floor, search_below};
 use crate::polygon;
 use crate::sphere_path::CellRef;
 use crate::transition::{InsertType, Transition, TransitionState};
@@ -22,7 +26,7 @@ impl Transition<'_, '_> {
         };
         self.path.walkable_allowance = z;
         self.path.save_check_pos();
-        let ok = self.step_down(h, z);
+        let ok = !self.has_nothing_to_stand_on(h, z) && self.step_down(h, z);
         self.path.step_up = false;
         self.path.walkable = None;
         if !ok {
@@ -33,6 +37,9 @@ impl Transition<'_, '_> {
 
     /// Lowers the candidate by `h` and lets ground lift it again. Nothing is restored on failure (5.8).
     pub(crate) fn step_down(&mut self, h: f32, z: f32) -> bool {
+        if self.step_down_in_the_open(h, z) {
+            return true;
+        }
         self.path.neg_poly_hit = None;
         self.path.step_down = true;
         self.path.step_down_amt = h;
@@ -59,6 +66,80 @@ impl Transition<'_, '_> {
         ts == TransitionState::Ok
     }
 
+    /// Whether a step up certainly finds no ground: the candidate reaches nothing but its own room, and no floor of
+    /// it. Then the step up has been done, in vain.
+    fn has_nothing_to_stand_on(&mut self, h: f32, z: f32) -> bool {
+        let Some(CellRef::Env { cell, block }) = self.path.check_cell else {
+            return false;
+        };
+        if self.path.collide
+            || self.path.insert_type != InsertType::Transition
+            || self.depth >= MAX_INSERTION_DEPTH
+            || cell.id != self.path.check_pos.cell
+            || cell.restriction.is_some()
+        {
+            return false;
+        }
+        self.build_cell_array(true);
+        if !self.is_calm() || !self.has_statics_afar(cell.id, block) {
+            return false;
+        }
+        if let Some(bsp) = &cell.structure.physics {
+            let at = self.path.candidate();
+            let mut search = search_below(cell, &at, h, 1.0, z);
+            bsp_tree::find_walkable(bsp, &mut search);
+            if search.found.is_some() {
+                return false;
+            }
+        }
+        self.path.neg_poly_hit = None;
+        self.path.step_down_amt = h;
+        self.path.walk_interp = 1.0;
+        self.path.obstruction_ethereal = false;
+        true
+    }
+
+    /// As [`Transition::step_down`] where the candidate certainly comes to rest on a floor of its own room, in open
+    /// space; otherwise nothing is done.
+    fn step_down_in_the_open(&mut self, h: f32, z: f32) -> bool {
+        let Some(CellRef::Env { cell, block }) = self.path.check_cell else {
+            return false;
+        };
+        let path = &self.path;
+        if path.step_up
+            || path.collide
+            || !self.keeps_shape
+            || path.insert_type != InsertType::Transition
+            || path.walkable_allowance != z
+            || self.depth >= MAX_INSERTION_DEPTH
+            || cell.restriction.is_some()
+            || !self.is_calm_in(cell.id)
+        {
+            return false;
+        }
+        let down = Vec3::new(0.0, 0.0, -h);
+        let mut lowered = path.candidate();
+        lowered.shift(down);
+        let edge_slide = self.object.is(ObjectState::EDGE_SLIDE);
+        let supported = edge_slide && self.object.is(ObjectState::ON_WALKABLE);
+        let Some(floor) = find_open_floor(cell, &mut lowered, h, z, supported) else {
+            return false;
+        };
+        let at = lowered.spheres[0].center;
+        if !self.calm.holds(cell.id, at) || !self.has_no_objects_near(cell.id, block, at) {
+            return false;
+        }
+        self.path.neg_poly_hit = None;
+        self.path.step_down_amt = h;
+        self.path.add_offset_to_check_pos(down);
+        self.path.add_offset_to_check_pos(floor.offset);
+        self.path.walk_interp = floor.walk_interp;
+        self.path.obstruction_ethereal = false;
+        self.info.set_contact(floor.plane, false, cell.id);
+        self.build_cell_array(true);
+        true
+    }
+
     /// Whether a placement insertion of the candidate certainly finds nothing: alone in open space, in contact.
     #[inline(always)]
     fn is_placement_certain(&self) -> bool {
@@ -67,6 +148,7 @@ impl Transition<'_, '_> {
         };
         let path = &self.path;
         self.info.contact.valid
+            && self.keeps_shape
             && !path.collide
             && cell.id == path.check_pos.cell
             && cell.restriction.is_none()
@@ -74,7 +156,7 @@ impl Transition<'_, '_> {
             && cell.hints.certainly_clear(&path.global_sphere[0])
             && (path.num_sphere < 2 || cell.hints.certainly_clear(&path.global_sphere[1]))
             && self.is_calm()
-            && self.has_no_objects_near(cell.id, block)
+            && self.has_no_objects_near(cell.id, block, path.global_sphere[0].center)
     }
 
     /// Whether there is still ground under the candidate (5.9).

@@ -10,6 +10,7 @@ use crate::error::SweepError;
 use crate::flags::{ObjectKind, ObjectState, PhysicsState};
 use crate::obj_collisions::{ObjectRef, Target};
 use crate::object_info::{ObjectInfo, is_walkable_z};
+use crate::plain_step::plain_step;
 use crate::population::{BodyId, Event, Population};
 use crate::sphere_path::SpherePath;
 use crate::transition::{BuiltArray, Calm, InsertType, StaticsCalm, Transition, calc_num_steps, cell_ref};
@@ -43,7 +44,7 @@ pub struct Carried {
 /// Who is swept: its spheres and what decides how it collides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mover {
-    spheres: [Sphere; 2],
+    pub(crate) spheres: [Sphere; 2],
     count: u8,
     /// How high it steps up on walkable ground, metres.
     pub step_up_height: f32,
@@ -287,6 +288,22 @@ pub fn sweep(
             limit,
         });
     }
+    let mut calm = Calm::NONE;
+    if plan.steps == 1
+        && let Some(end) = plain_step(
+            world,
+            population,
+            scratch,
+            mover,
+            carried,
+            from,
+            to,
+            plan.offset,
+            &mut calm,
+        )
+    {
+        return Ok(end.swept(mover, carried, from.cell, to));
+    }
     let mut transition = begin(
         world,
         population,
@@ -296,6 +313,7 @@ pub fn sweep(
         from,
         InsertType::Transition,
     );
+    transition.calm = calm;
     let ok = transition.find_valid_position(&plan);
     transition.outcome(ok, &to.frame)
 }

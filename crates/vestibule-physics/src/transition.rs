@@ -91,19 +91,25 @@ impl Calm {
         failed_in: CellId::NONE,
     };
 
+    /// What is known of a candidate whose foot sphere is at `center`: how far it may be shifted, if at all.
     #[inline]
-    fn around(cell: CellId, center: Vec3, distance: f32) -> Self {
+    pub(crate) fn around(cell: CellId, center: Vec3, distance: f32) -> Self {
+        let (cell, failed_in) = if distance > 0.0 {
+            (cell, CellId::NONE)
+        } else {
+            (CellId::NONE, cell)
+        };
         Calm {
             cell,
             center,
             reach: distance * distance,
             array_is_stale: true,
-            failed_in: CellId::NONE,
+            failed_in,
         }
     }
 
     #[inline]
-    fn holds(&self, cell: CellId, center: Vec3) -> bool {
+    pub(crate) fn holds(&self, cell: CellId, center: Vec3) -> bool {
         let shift = center - self.center;
         self.cell == cell && shift.dot(shift) < self.reach
     }
@@ -186,6 +192,12 @@ impl<'w> Transition<'w, '_> {
             .holds(self.path.check_pos.cell, self.path.global_sphere[0].center)
     }
 
+    /// Whether the candidate certainly touches this cell only, which is its own.
+    #[inline(always)]
+    pub(crate) fn is_calm_in(&self, cell: CellId) -> bool {
+        cell == self.path.check_pos.cell && self.is_calm()
+    }
+
     /// Rebuilds the cell array for the candidate; the cell that holds the foot sphere's centre if `want_cell`.
     #[inline(always)]
     pub(crate) fn build_cell_array(&mut self, want_cell: bool) -> Option<CellId> {
@@ -217,7 +229,7 @@ impl<'w> Transition<'w, '_> {
         let [foot, head] = [path.global_sphere[0].center, path.global_sphere[1].center];
         let built = &self.built;
         let same = built.seed == seed && built.centers == [foot, head] && (built.want_cell || !want_cell);
-        if !same {
+        if !same || self.world.settings().exact {
             // Where nothing was certain before, nothing is a little farther on.
             let try_calm = self.keeps_shape && self.calm.failed_in != seed;
             let distance = if try_calm {

@@ -160,10 +160,9 @@ impl<'w> Workload<'w> {
             offset.z = walker.vz / 30.0;
         }
         self.totals.steps += 1;
-        let from = walker.position;
-        let mut to = from;
+        let mut to = walker.position;
         to.frame.origin += offset;
-        let moved = (to.origin() - from.origin()).abs();
+        let moved = (to.origin() - walker.position.origin()).abs();
         let mut lost = false;
         if moved.x >= EPSILON || moved.y >= EPSILON || moved.z >= EPSILON {
             let swept = sweep(
@@ -172,13 +171,13 @@ impl<'w> Workload<'w> {
                 &mut self.scratch,
                 &body.mover,
                 &walker.carried,
-                &from,
+                &walker.position,
                 &to,
             )?;
             if swept.ok {
                 match swept.cell {
                     Some(cell) => {
-                        self.totals.changed_cell += u64::from(cell != from.cell);
+                        self.totals.changed_cell += u64::from(cell != walker.position.cell);
                         walker.position = swept.position;
                         walker.position.cell = cell;
                         walker.carried = swept.carried();

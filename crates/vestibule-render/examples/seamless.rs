@@ -5,7 +5,8 @@
 //! ```
 //!
 //! A WORLD is a folder of the test vectors, or the path of a folder with DAT files followed by `:` and a landblock
-//! (`path/to/dats:0xA9B4`).
+//! (`path/to/dats:0xA9B4`), or `thresholds`: every opening of the built-in world walked through in steps of 1 cm, from a
+//! metre before to a metre behind it.
 
 use std::io::Write as _;
 use std::time::Instant;
@@ -24,12 +25,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let poses: usize = arguments.next().map_or(Ok(2000), |a| a.parse())?;
     let mut names: Vec<String> = arguments.collect();
     if names.is_empty() {
-        names = ["dungeon-1", "maze-1", "gallery-1", "hollow", "hollow-deep"]
-            .map(str::to_owned)
-            .into();
+        names = [
+            "dungeon-1",
+            "maze-1",
+            "gallery-1",
+            "hollow",
+            "hollow-deep",
+            "thresholds",
+        ]
+        .map(str::to_owned)
+        .into();
     }
     let mut out = std::io::stdout().lock();
     for name in names {
+        if name == "thresholds" {
+            walk_thresholds(&mut out)?;
+            continue;
+        }
         let mut names = std::collections::BTreeMap::new();
         let stage = if let Some(block) = [("hollow", 0xA9B4), ("hollow-deep", 0x0107)]
             .iter()
@@ -73,6 +85,34 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         writeln!(out, "{name}: assets {:?}", stage.assets.counters())?;
     }
     Ok(())
+}
+
+fn walk_thresholds(out: &mut impl std::io::Write) -> std::io::Result<()> {
+    let started = Instant::now();
+    let mut all = common::Walked::default();
+    for block in [0xA9B4, 0x0107] {
+        let (mut stage, _) = Stage::hollow(block);
+        let right = common::Walk::Right;
+        all.add(common::walk(
+            &mut stage,
+            (96, 72),
+            (100, 1),
+            right,
+            |stage, camera| stage.ids(camera),
+        ));
+    }
+    writeln!(
+        out,
+        "thresholds: {} of {} walked, {} of them exits; {} pictures after another, in {} of them pixels flash, at most {} of \
+         6912; {:.1} s",
+        all.crossed,
+        all.all,
+        all.exits,
+        all.pictures,
+        all.flashes,
+        all.worst,
+        started.elapsed().as_secs_f32()
+    )
 }
 
 fn against_everything(

@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::Vec3;
 use vestibule_dat::record::{
-    self, Environment, GfxObj, Paint, Palette, RecordError, RenderSurface, Setup, Surface, SurfaceTexture,
+    self, Degrade, Environment, GfxObj, GfxObjDegradeInfo, Paint, Palette, RecordError, RenderSurface, Setup,
+    Surface, SurfaceTexture,
 };
 use vestibule_world::{EnvCell, Model, Store, World};
 
@@ -77,6 +78,7 @@ pub struct Assets {
     textures: Cache<(u32, u32, DecodeAs), (Arc<Texture>, bool)>,
     models: Cache<(u32, bool), Option<Arc<Mesh>>>,
     cells: Cache<(u32, u16, Box<[u32]>), Option<Arc<Mesh>>>,
+    levels: Cache<u32, Arc<[Degrade]>>,
     lights: Cache<u32, Arc<[ObjectLight]>>,
     lamps: Cache<u32, Arc<[crate::lighting::Lamp]>>,
     lands: Cache<(u16, u16), Option<Arc<crate::land::LandMesh>>>,
@@ -263,6 +265,23 @@ impl Assets {
         })
     }
 
+    /// The levels of detail of a GfxObj (0x01…), near to far; none for most (`rendering.md` 17.1).
+    pub fn levels(&self, world: &World, model: u32) -> Arc<[Degrade]> {
+        cached(&self.levels, model, || {
+            let id = self
+                .record(world, model, GfxObj::parse)
+                .and_then(|m| m.degrade_id);
+            let info = id.and_then(|id| self.record(world, id, GfxObjDegradeInfo::parse));
+            info.map_or_else(|| [].into(), |i| i.degrades.into())
+        })
+    }
+
+    /// The level of a model for a distance in metres, divided by the part's scale along z; see
+    /// [`model_level`](crate::model_level).
+    pub fn model_level(&self, world: &World, model: u32, distance: f32, quality: f32) -> crate::ModelLevel {
+        crate::detail::model_level(model, &self.levels(world, model), distance, quality)
+    }
+
     /// The mesh of an env cell's shell, cell-local.
     pub fn cell_shell(&self, world: &World, cell: &EnvCell) -> Option<Arc<Mesh>> {
         let structure = &cell.structure;
@@ -321,7 +340,7 @@ pub(crate) fn rgb(c: vestibule_dat::primitive::Argb) -> Vec3 {
 impl Assets {
     /// The lights that an env cell's shell is lit by: those of the static objects of the cell and of its stab list,
     /// in the frame of its landblock (`rendering.md` 12.6).
-    pub(crate) fn lamps(&self, world: &World, cell: &EnvCell) -> Arc<[crate::lighting::Lamp]> {
+    pub fn lamps(&self, world: &World, cell: &EnvCell) -> Arc<[crate::lighting::Lamp]> {
         cached(&self.lamps, cell.id.0, || {
             crate::lighting::lamps_of(self, world, cell)
         })
@@ -329,11 +348,7 @@ impl Assets {
 
     /// The ground of a landblock. `neighbours` tells, bit by bit, which of the eight blocks around it are loaded:
     /// the light on its border depends on them.
-    pub(crate) fn land(
-        &self,
-        world: &World,
-        block: vestibule_world::BlockId,
-    ) -> Option<Arc<crate::land::LandMesh>> {
+    pub fn land(&self, world: &World, block: vestibule_world::BlockId) -> Option<Arc<crate::land::LandMesh>> {
         let key = (block.0, crate::land::loaded_neighbours(world, block));
         cached(&self.lands, key, || {
             crate::land::LandMesh::build(self, world, block).map(Arc::new)

@@ -5,9 +5,10 @@ use vestibule_view::{Camera, LightSet};
 use vestibule_world::{CellId, Landblock, StaticRef};
 
 use crate::error::RenderError;
+use crate::id_image::IdImage;
 use crate::image::Image;
 use crate::paint::{Mode, Painter};
-use crate::reference::{IdImage, Run, buffers};
+use crate::reference::{Run, buffers};
 use crate::scene::{RenderSettings, Scene};
 
 /// What [`render_everything`] draws.
@@ -130,6 +131,7 @@ fn paint(
         }
     }
     run.painter.flush();
+    run.painter.resolve();
     Ok(run.painter)
 }
 

@@ -13,11 +13,12 @@ use crate::terrain_paint::CellPaint;
 pub const TERRAIN_OFFSET: f32 = 0.01;
 
 /// What is drawn of a landblock's ground; the triangles themselves are the world's.
-pub(crate) struct LandMesh {
+#[derive(Clone, Debug)]
+pub struct LandMesh {
     /// Unit normals of the 81 vertices, x-major.
-    pub(crate) normals: [Vec3; 81],
+    pub normals: [Vec3; 81],
     /// Paint of the 64 land cells in order of their ids.
-    pub(crate) paint: Vec<CellPaint>,
+    pub paint: Vec<CellPaint>,
 }
 
 const AROUND: [(i32, i32); 8] = [

@@ -6,6 +6,7 @@
 //! draws where there is no GPU.
 //!
 //! * [`render`] makes the picture of a frame, [`render_ids`] one whose pixels name the cell they show;
+//! * [`render_distances`] tells how far away everything in it is, for effects;
 //! * [`render_everything`] ignores the traversal and lets depth alone decide, the truth where nothing overlaps;
 //! * [`Oracle`] follows the ray of a pixel through the cell graph, the truth also where rooms overlap;
 //! * [`Filmstrip`] and [`write_apng`] put pictures together.
@@ -31,12 +32,16 @@
 #![forbid(unsafe_code)]
 
 mod assets;
+mod detail;
+mod distance_image;
 mod dxt;
 mod error;
 mod everything;
 mod figure;
 mod filmstrip;
+mod id_image;
 mod image;
+mod jpeg;
 mod land;
 mod lighting;
 mod material;
@@ -48,24 +53,29 @@ mod place;
 mod raster;
 mod reference;
 mod scene;
+mod shade;
 mod sky;
 mod terrain_paint;
 mod texture;
 
 pub use assets::{AssetCounters, Assets, ObjectLight};
+pub use detail::{DetailedObjects, ModelLevel, model_level, turned};
+pub use distance_image::DistanceImage;
 pub use error::RenderError;
 pub use everything::{Everything, render_everything, render_everything_ids};
 pub use figure::{FIGURE_HEIGHT, figure};
 pub use filmstrip::Filmstrip;
+pub use id_image::IdImage;
 pub use image::{Image, MAX_SIDE, write_apng};
-pub use land::TERRAIN_OFFSET;
-pub use lighting::{Lamp, LightLevels, shell_light};
+pub use land::{LandMesh, TERRAIN_OFFSET};
+pub use lighting::{Lamp, LightLevels, MAX_OBJECT_LAMPS, MAX_SHELL_LAMPS, OBJECT_RANGE, shell_light};
 pub use material::{Blend, DrawList, Factor, Material};
 pub use mesh::{Mesh, MeshFace, MeshVertex};
 pub use oracle::{Oracle, RayHit};
+pub use overlaps::overlapping_cells;
 pub use raster::{PUNCH_DEPTH, PixelId, PixelKind};
-pub use reference::{IdImage, render, render_commands, render_commands_ids, render_ids};
+pub use reference::{render, render_commands, render_commands_ids, render_distances, render_ids};
 pub use scene::{LightDetail, RenderCounters, RenderSettings, Scene};
-pub use sky::{Daylight, Fog, SkyTable, SkyThing};
-pub use terrain_paint::TerrainPaint;
+pub use sky::{Daylight, Fog, Moment, SkyTable, SkyThing};
+pub use terrain_paint::{CellPaint, Cover, Layer, TerrainPaint, TypeTexture};
 pub use texture::{DecodeAs, Level, Texture, TextureError, decode as decode_texture};

@@ -11,13 +11,13 @@ use crate::sky::Daylight;
 /// Ambient level of sealed interiors (`rendering.md` 12.3).
 pub(crate) const SEALED_AMBIENT: f32 = 0.2;
 /// A lamp lights objects this much farther than its falloff (`rendering.md` 12.5).
-pub(crate) const OBJECT_RANGE: f32 = 1.5;
+pub const OBJECT_RANGE: f32 = 1.5;
 /// A lamp lights shells this much farther than its falloff (`rendering.md` 12.6).
 pub(crate) const SHELL_RANGE: f32 = 1.3;
 /// Lamps that light one object (`rendering.md` 12.1).
-pub(crate) const MAX_OBJECT_LAMPS: usize = 8;
+pub const MAX_OBJECT_LAMPS: usize = 8;
 /// Lamps that light one shell: retail's pool (`rendering.md` 12.1).
-pub(crate) const MAX_SHELL_LAMPS: usize = 40;
+pub const MAX_SHELL_LAMPS: usize = 40;
 
 /// A point light, in whatever frame it is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -20,6 +20,9 @@ const MAX_CROSSINGS: u32 = 128;
 /// Openings this little behind where the ray entered still count, metres.
 const BACK: f64 = 1.0e-7;
 
+/// Surfaces this little behind an opening lie in its plane, metres along the ray.
+const IN_PLANE: f64 = 1.0e-6;
+
 #[derive(Clone, Copy, Debug)]
 struct Triangle {
     corners: [DVec3; 3],
@@ -52,10 +55,12 @@ struct Opening {
 }
 
 /// What a ray met.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
     /// What shows.
     pub id: PixelId,
+    /// How far away it is along the ray, metres; infinite for sky and where nothing is met.
+    pub distance: f64,
     /// The ray crossed a link beside the far side's polygon: the two rooms do not agree on their opening, so there is
     /// no telling what is right.
     pub disputed: bool,
@@ -224,26 +229,25 @@ impl Oracle {
 
     fn walk(&self, eye: DVec3, d: DVec3, start: Medium) -> RayHit {
         let (mut medium, mut from) = (start, 0.0f64);
-        let mut disputed = false;
-        let nothing = PixelId::BACKGROUND;
+        let mut hit = RayHit {
+            id: PixelId::BACKGROUND,
+            distance: f64::INFINITY,
+            disputed: false,
+        };
         for _ in 0..MAX_CROSSINGS {
             let space = match medium {
                 Medium::Outdoors => &self.outdoors,
                 Medium::Room(id) => match self.rooms.get(&id) {
                     Some(space) => space,
-                    None => {
-                        return RayHit {
-                            id: nothing,
-                            disputed,
-                        };
-                    }
+                    None => return hit,
                 },
             };
             let mut best: Option<(f64, PixelId)> = None;
             for bunch in &space.bunches {
                 bunch.hit(eye, d, from - BACK, &mut best);
             }
-            let reach = best.map_or(f64::INFINITY, |(t, _)| t);
+            // A surface in the plane of an opening covers it: portal polygons can be larger than the hole in the wall.
+            let reach = best.map_or(f64::INFINITY, |(t, _)| t - IN_PLANE);
             let mut next: Option<(f64, &Opening)> = None;
             for opening in &space.openings {
                 if let Some(t) = opening.hit(eye, d) {
@@ -253,9 +257,9 @@ impl Oracle {
                     }
                 }
             }
-            let id = match (next, best, medium) {
+            match (next, best, medium) {
                 (Some((t, opening)), ..) => {
-                    disputed |= opening
+                    hit.disputed |= opening
                         .partner
                         .as_ref()
                         .is_some_and(|p| !opening.inside(p, eye + d * t));
@@ -263,18 +267,14 @@ impl Oracle {
                         (medium, from) = (to, t);
                         continue;
                     }
-                    nothing
                 }
-                (None, Some((_, id)), _) => id,
-                (None, None, Medium::Outdoors) if self.has_land => PixelId::SKY,
-                (None, None, _) => nothing,
-            };
-            return RayHit { id, disputed };
+                (None, Some((t, id)), _) => (hit.id, hit.distance) = (id, t),
+                (None, None, Medium::Outdoors) if self.has_land => hit.id = PixelId::SKY,
+                (None, None, _) => {}
+            }
+            return hit;
         }
-        RayHit {
-            id: nothing,
-            disputed,
-        }
+        hit
     }
 }
 

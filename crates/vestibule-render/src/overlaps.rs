@@ -8,7 +8,7 @@ use vestibule_world::{BoundingBox, CellId, EnvCell, PortalTarget, World};
 const MIN_SHARED: f32 = 0.1;
 
 /// The rooms of a list that overlap another of the list to which they are not linked.
-pub(crate) fn overlapping_cells(world: &World, flood: &Flood<'_>) -> Vec<CellId> {
+pub fn overlapping_cells(world: &World, flood: &Flood<'_>) -> Vec<CellId> {
     let rooms: Vec<(&EnvCell, BoundingBox)> = flood
         .cells()
         .iter()

@@ -98,6 +98,12 @@ pub(crate) struct Buffers {
     pub(crate) limit: Vec<f32>,
     /// Empty unless ids are wanted.
     pub(crate) ids: Vec<PixelId>,
+    /// Which of the shades that are put aside a pixel waits for, 0 none; empty when ids are wanted.
+    pub(crate) owners: Vec<u32>,
+    /// The depth that seals wrote, 0 elsewhere; empty unless distances are wanted.
+    seals: Vec<f32>,
+    /// The depth of the landscape before it was cleared; empty unless distances are wanted.
+    landscape: Vec<f32>,
 }
 
 impl Buffers {
@@ -109,27 +115,36 @@ impl Buffers {
             depth: vec![0.0; n],
             limit: Vec::new(),
             ids: vec![PixelId::BACKGROUND; if with_ids { n } else { 0 }],
+            owners: vec![0; if with_ids { 0 } else { n }],
+            seals: Vec::new(),
+            landscape: Vec::new(),
         }
     }
 
+    /// From here on the depth of what seals protect is kept.
+    pub(crate) fn keep_landscape(&mut self) {
+        self.seals = vec![0.0; self.depth.len()];
+        self.landscape = vec![0.0; self.depth.len()];
+    }
+
+    /// Depth of what the pixels show, where seals lie that of the landscape behind them.
+    pub(crate) fn shown_depth(&self) -> Vec<f32> {
+        let behind = self.seals.iter().zip(&self.landscape);
+        let all = self.depth.iter().zip(behind);
+        all.map(|(&d, (&seal, &landscape))| if seal > 0.0 && seal == d { landscape } else { d })
+            .collect()
+    }
+
     pub(crate) fn clear_depth(&mut self) {
+        if !self.landscape.is_empty() {
+            self.landscape.copy_from_slice(&self.depth);
+        }
         self.depth.fill(0.0);
     }
 
     #[inline]
     fn row(&self, y: u32) -> usize {
         y as usize * self.screen.width as usize
-    }
-
-    /// No pixels: stands in while the real ones are lent out.
-    pub(crate) fn empty(screen: Projection) -> Self {
-        Buffers {
-            screen,
-            color: Vec::new(),
-            depth: Vec::new(),
-            limit: Vec::new(),
-            ids: Vec::new(),
-        }
     }
 
     /// A triangle in one id: test nearer or equal, depth and id written.
@@ -144,24 +159,19 @@ impl Buffers {
         let Some(setup) = Setup::new(&self.screen, p, facing, growth) else {
             return;
         };
-        let near = self.screen.near;
-        let (inverse, width) = (setup.inverse, self.screen.width as usize);
-        let (depth, ids, limit) = (&mut self.depth, &mut self.ids, &self.limit);
-        setup.spans(confine, |row| {
-            let start = row.y as usize * width;
-            let base = inverse.b * f64::from(row.y) + inverse.c;
-            let range = start + row.first as usize..start + row.end as usize;
-            let (Some(depths), Some(ids)) = (depth.get_mut(range.clone()), ids.get_mut(range)) else {
-                return;
-            };
-            for (x, (d, slot)) in (row.first..row.end).zip(depths.iter_mut().zip(ids)) {
-                let here = (near * row.depth_factor(x) * (inverse.a * f64::from(x) + base)) as f32;
-                if here >= *d && !(here > limit_at(limit, start + x as usize)) {
-                    *d = here;
-                    *slot = id;
-                }
-            }
-        });
+        claim(
+            &setup,
+            &self.screen,
+            confine,
+            (&mut self.depth, &mut self.ids, &self.limit),
+            id,
+        );
+    }
+
+    /// Opaque: pixels where the triangle is nearer or as near wait for this shade. Returns whether there are any.
+    pub(crate) fn own(&mut self, setup: &Setup, owner: u32, confine: &[Affine]) -> bool {
+        let buffers = (&mut self.depth, &mut self.owners, &self.limit);
+        claim(setup, &self.screen, confine, buffers, owner)
     }
 
     /// From here on nothing nearer than `points`, a polygon, is drawn over it.
@@ -179,6 +189,16 @@ impl Buffers {
     /// Ends what [`Buffers::limit_behind`] began.
     pub(crate) fn no_limit(&mut self) {
         self.limit.clear();
+    }
+
+    /// Seals a polygon: its own depth, or a constant (`rendering.md` 7.6a).
+    pub(crate) fn seal(&mut self, points: &[DVec3], constant: Option<f32>) {
+        self.depth_polygon(points, constant);
+        if !self.seals.is_empty() {
+            core::mem::swap(&mut self.depth, &mut self.seals);
+            self.depth_polygon(points, constant);
+            core::mem::swap(&mut self.depth, &mut self.seals);
+        }
     }
 
     /// Writes depth only, test always: a punch with a constant, a seal with its own depth (`rendering.md` 7).
@@ -269,7 +289,36 @@ pub(crate) struct PixelWrite {
     pub(crate) blend: Blend,
 }
 
+/// Writes depth and a value where a triangle is nearer or as near. Returns whether it was anywhere.
 #[inline]
+fn claim<T: Copy>(
+    setup: &Setup,
+    screen: &Projection,
+    confine: &[Affine],
+    (depth, values, limit): (&mut Vec<f32>, &mut Vec<T>, &Vec<f32>),
+    value: T,
+) -> bool {
+    let (near, inverse, width) = (screen.near, setup.inverse, screen.width as usize);
+    let mut any = false;
+    setup.spans(confine, |row| {
+        let start = row.y as usize * width;
+        let base = inverse.b * f64::from(row.y) + inverse.c;
+        let range = start + row.first as usize..start + row.end as usize;
+        let (Some(depths), Some(values)) = (depth.get_mut(range.clone()), values.get_mut(range)) else {
+            return;
+        };
+        for (x, (d, slot)) in (row.first..row.end).zip(depths.iter_mut().zip(values)) {
+            let here = (near * row.depth_factor(x) * (inverse.a * f64::from(x) + base)) as f32;
+            if here >= *d && !(here > limit_at(limit, start + x as usize)) {
+                *d = here;
+                *slot = value;
+                any = true;
+            }
+        }
+    });
+    any
+}
+
 fn blended(old: [u8; 4], c: [f32; 3], alpha: f32, blend: Blend) -> [u8; 4] {
     let byte = |v: f32| {
         if v >= 255.0 {

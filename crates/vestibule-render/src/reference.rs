@@ -6,76 +6,17 @@ use vestibule_view::{Camera, Command, FramePath, FrameView, LightSet, Region, Se
 use vestibule_world::terrain::vertex_index;
 use vestibule_world::{BlockId, CellId, EnvCell, Frame, StaticRef};
 
+use crate::distance_image::DistanceImage;
 use crate::error::RenderError;
+use crate::id_image::IdImage;
 use crate::image::{Image, check_size};
 use crate::lighting::{Lamp, MAX_OBJECT_LAMPS};
 use crate::overlaps::overlapping_cells;
-use crate::paint::{MeshLight, Mode, Owner, Painter};
+use crate::paint::{Mode, Owner, Painter};
 use crate::raster::scan::{Affine, GROWTH, Projection};
-use crate::raster::{Buffers, PUNCH_DEPTH, PixelId, PixelKind};
+use crate::raster::{Buffers, PUNCH_DEPTH, PixelKind};
 use crate::scene::{LightDetail, RenderCounters, RenderSettings, Scene};
-
-/// A picture whose pixels say which cell's surface won them.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct IdImage {
-    width: u32,
-    height: u32,
-    ids: Vec<PixelId>,
-}
-
-impl IdImage {
-    /// A picture from its ids, row by row from the top; `None` when their number is not `width * height`.
-    pub fn from_ids(width: u32, height: u32, ids: Vec<PixelId>) -> Option<Self> {
-        (ids.len() == width as usize * height as usize).then_some(IdImage { width, height, ids })
-    }
-
-    /// Width, pixels.
-    pub fn width(&self) -> u32 {
-        self.width
-    }
-
-    /// Height, pixels.
-    pub fn height(&self) -> u32 {
-        self.height
-    }
-
-    /// The ids, row by row from the top.
-    pub fn ids(&self) -> &[PixelId] {
-        &self.ids
-    }
-
-    /// The id at column `x`, row `y`; `None` outside.
-    pub fn get(&self, x: u32, y: u32) -> Option<PixelId> {
-        if x >= self.width {
-            return None;
-        }
-        self.ids
-            .get(y as usize * self.width as usize + x as usize)
-            .copied()
-    }
-
-    /// How many pixels show this kind of thing.
-    pub fn count(&self, kind: PixelKind) -> usize {
-        self.ids.iter().filter(|id| id.kind() == kind).count()
-    }
-
-    /// How many pixels show this cell.
-    pub fn count_cell(&self, cell: CellId) -> usize {
-        self.ids.iter().filter(|id| id.cell() == Some(cell)).count()
-    }
-
-    /// The ids as colours: a pixel's three channels are the low 24 bits of its cell, white is sky, black nothing.
-    ///
-    /// # Errors
-    /// Never for a picture this crate made.
-    pub fn to_image(&self) -> Result<Image, RenderError> {
-        let mut image = Image::new(self.width, self.height, [0, 0, 0, 255])?;
-        for (pixel, id) in image.pixels_mut().iter_mut().zip(&self.ids) {
-            *pixel = id.color();
-        }
-        Ok(image)
-    }
-}
+use crate::shade::MeshLight;
 
 /// Draws the picture of a frame.
 ///
@@ -107,7 +48,7 @@ pub fn render_commands(
     commands: &[Command],
     settings: &RenderSettings,
 ) -> Result<(Image, RenderCounters), RenderError> {
-    let painter = paint(scene, frame, commands, settings, Mode::Color)?;
+    let painter = paint(scene, frame, commands, settings, Mode::Color, false)?;
     let screen = painter.buffers.screen;
     let mut image = Image::new(screen.width, screen.height, [0; 4])?;
     image.pixels_mut().copy_from_slice(&painter.buffers.color);
@@ -124,14 +65,27 @@ pub fn render_commands_ids(
     commands: &[Command],
     settings: &RenderSettings,
 ) -> Result<(IdImage, RenderCounters), RenderError> {
-    let painter = paint(scene, frame, commands, settings, Mode::Ids)?;
+    let painter = paint(scene, frame, commands, settings, Mode::Ids, false)?;
     let screen = painter.buffers.screen;
-    let image = IdImage {
+    let image = IdImage::from_ids(screen.width, screen.height, painter.buffers.ids);
+    let image = image.ok_or(RenderError::Size {
         width: screen.width,
         height: screen.height,
-        ids: painter.buffers.ids,
-    };
+    })?;
     Ok((image, painter.counters))
+}
+
+/// How far away everything is that a frame's picture shows, for effects that are made from it afterwards.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_distances(
+    scene: &Scene<'_>,
+    frame: &FrameView,
+    settings: &RenderSettings,
+) -> Result<DistanceImage, RenderError> {
+    let painter = paint(scene, frame, frame.commands(), settings, Mode::Ids, true)?;
+    Ok(DistanceImage::new(&painter.buffers))
 }
 
 /// The buffers of a camera's screen.
@@ -162,11 +116,15 @@ fn paint(
     commands: &[Command],
     settings: &RenderSettings,
     mode: Mode,
+    keep_landscape: bool,
 ) -> Result<Painter, RenderError> {
     let Some(camera) = frame.camera() else {
         return Err(RenderError::Size { width: 0, height: 0 });
     };
     let mut buffers = buffers(camera, mode)?;
+    if keep_landscape {
+        buffers.keep_landscape();
+    }
     let day = scene.daylight();
     let sealed = frame.path() == FramePath::Sealed;
     let clear = if sealed { Vec3::ZERO } else { day.horizon } * 255.0;
@@ -200,6 +158,7 @@ fn paint(
     for command in commands {
         run.command(frame, command);
     }
+    run.painter.resolve();
     Ok(run.painter)
 }
 
@@ -282,7 +241,7 @@ impl<'a> Run<'a> {
             Command::Seal { polygon, depth, .. } => {
                 let points = self.seen(frame.polygon(polygon));
                 let constant = (depth == SealDepth::Nearest).then_some(1.0);
-                self.painter.buffers.depth_polygon(&points, constant);
+                self.painter.buffers.seal(&points, constant);
             }
             Command::Building {
                 block,
@@ -490,6 +449,21 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// The model to draw of a part at its distance, and its frame, turned to the viewer if the level says so; `None`
+    /// when nothing is drawn of it.
+    fn level(&self, block: BlockId, model: u32, frame: &Frame, scale: f32) -> Option<(u32, Frame)> {
+        let eye = self.painter.eye.eye_in(block).as_vec3();
+        // Within the 50 m in which parts have distances of their own everything is drawn in full.
+        let gap = frame.origin - eye;
+        let distance = libm::sqrtf(gap.dot(gap)) / scale;
+        let quality = self.painter.settings.detail;
+        let level = self
+            .scene
+            .assets
+            .model_level(self.scene.world, model, distance, quality);
+        Some((level.model?, crate::detail::turned(frame, eye, level.mode)))
+    }
+
     fn static_object(&mut self, id: StaticRef, cell: CellId, confine: &[Affine]) {
         let scene = self.scene;
         let Some(object) = scene.world.static_object(id) else {
@@ -503,11 +477,15 @@ impl<'a> Run<'a> {
         };
         let parts = object.shape.parts.iter().zip(&object.part_frames);
         for (part, frame) in parts {
-            let Some(mesh) = scene.assets.model(scene.world, part.model_id, None) else {
+            let block = object.cell.block();
+            let Some((model, frame)) = self.level(block, part.model_id, frame, part.scale.z) else {
+                continue;
+            };
+            let Some(mesh) = scene.assets.model(scene.world, model, None) else {
                 self.missing();
                 continue;
             };
-            let placed = self.painter.eye.place(object.cell.block(), frame, part.scale);
+            let placed = self.painter.eye.place(block, &frame, part.scale);
             self.lit_object(&mesh, &placed, owner, cell, 1.0, confine);
         }
     }
@@ -535,12 +513,16 @@ impl<'a> Run<'a> {
         };
         let mut drawn = false;
         for (part, frame) in body.shape().parts.iter().zip(body.part_frames()) {
-            let Some(mesh) = scene.assets.model(scene.world, part.model_id, None) else {
+            drawn = true;
+            let scale = part.scale * body.scale();
+            let Some((model, frame)) = self.level(block, part.model_id, frame, scale.z) else {
+                continue;
+            };
+            let Some(mesh) = scene.assets.model(scene.world, model, None) else {
                 self.missing();
                 continue;
             };
-            drawn = true;
-            let placed = self.painter.eye.place(block, frame, part.scale * body.scale());
+            let placed = self.painter.eye.place(block, &frame, scale);
             self.lit_object(&mesh, &placed, owner, cell, opacity, confine);
         }
         if !drawn {

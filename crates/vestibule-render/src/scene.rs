@@ -74,7 +74,7 @@ pub enum LightDetail {
     /// At the corners of polygons, as retail does (`rendering.md` 12.5, 12.6).
     PerVertex,
     /// At every pixel, by the same formulas: lamps in the middle of a large wall show. Indoors bright light rolls off
-    /// softly instead of being cut at white.
+    /// softly instead of being cut at white, and rooms that see the outside get less of its ambient light.
     #[default]
     PerPixel,
 }
@@ -98,6 +98,11 @@ pub struct RenderSettings {
     pub only_behind_exits: bool,
     /// Ground that faces away from the eye is not drawn (`rendering.md` 6.9).
     pub cull_terrain: bool,
+    /// Quality of the levels of detail of objects, -1…1 (`rendering.md` 17.1); for buildings see
+    /// [`DetailedObjects`](crate::DetailedObjects).
+    pub detail: f32,
+    /// Threads that colour a picture; 0 is as many as the machine runs at once. The picture is the same.
+    pub threads: usize,
 }
 
 impl Default for RenderSettings {
@@ -110,6 +115,8 @@ impl Default for RenderSettings {
             terrain_offset: crate::land::TERRAIN_OFFSET,
             only_behind_exits: true,
             cull_terrain: true,
+            detail: 0.0,
+            threads: 0,
         }
     }
 }

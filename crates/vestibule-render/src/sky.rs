@@ -12,6 +12,31 @@ use crate::assets::rgb;
 #[derive(Clone, Debug, Default)]
 pub struct SkyTable {
     groups: Vec<DayGroup>,
+    calendar: Calendar,
+}
+
+/// How the region counts time (`rendering.md` 16.0).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Calendar {
+    /// Seconds.
+    zero_time_of_year: f64,
+    zero_year: u32,
+    /// Seconds.
+    day_length: f32,
+    days_per_year: u32,
+}
+
+/// A moment of the game's calendar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Year.
+    pub year: u32,
+    /// Day of the year, from 0.
+    pub day: u32,
+    /// Time of day, 0…1; 0.5 is noon.
+    pub time_of_day: f32,
+    /// The kind of weather of the day, for [`SkyTable::daylight`].
+    pub day_group: usize,
 }
 
 /// Light and fog of one moment.
@@ -81,17 +106,53 @@ impl SkyTable {
             .ok()
             .flatten()
             .and_then(|b| Region::parse(REGION_RECORD, &b).ok());
+        let Some(region) = region else {
+            return SkyTable::default();
+        };
+        let time = &region.game_time;
         SkyTable {
-            groups: region
-                .and_then(|r| r.sky)
-                .map(|s| s.day_groups)
-                .unwrap_or_default(),
+            calendar: Calendar {
+                zero_time_of_year: time.zero_time_of_year,
+                zero_year: time.zero_year,
+                day_length: time.day_length,
+                days_per_year: time.days_per_year,
+            },
+            groups: region.sky.map(|s| s.day_groups).unwrap_or_default(),
+        }
+    }
+
+    /// The moment of the calendar at a server's clock, seconds (`rendering.md` 16.0); noon of the first day where the
+    /// region counts no time.
+    pub fn moment(&self, seconds: f64) -> Moment {
+        let c = &self.calendar;
+        let length = f64::from(c.day_length);
+        let t = seconds + c.zero_time_of_year;
+        let days = t / length;
+        if !(length > 0.0) || c.days_per_year == 0 || !(0.0..4.0e9).contains(&days) {
+            return Moment {
+                year: c.zero_year,
+                day: 0,
+                time_of_day: 0.5,
+                day_group: self.group_of(0, c.zero_year, c.days_per_year),
+            };
+        }
+        let whole = days as u32;
+        let day = whole % c.days_per_year;
+        let year = (whole / c.days_per_year).wrapping_add(c.zero_year);
+        Moment {
+            year,
+            day,
+            time_of_day: (days - f64::from(whole)) as f32,
+            day_group: self.group_of(day, year, c.days_per_year),
         }
     }
 
     /// A table with these day groups.
     pub fn from_groups(groups: Vec<DayGroup>) -> Self {
-        SkyTable { groups }
+        SkyTable {
+            groups,
+            calendar: Calendar::default(),
+        }
     }
 
     /// Number of day groups (kinds of weather).
@@ -314,6 +375,88 @@ mod tests {
         );
         let wall = Fog { end: 10.0, ..fog };
         assert_eq!((wall.clear(9.9), wall.clear(10.1)), (1.0, 0.0));
+    }
+
+    #[test]
+    fn r16_0_a_servers_clock_tells_day_and_time() {
+        let mut table = SkyTable::from_groups(vec![group()]);
+        table.calendar = Calendar {
+            zero_time_of_year: 3600.0,
+            zero_year: 10,
+            day_length: 7620.0,
+            days_per_year: 360,
+        };
+        let m = table.moment(7620.0 * (360.0 * 2.0 + 5.0) - 3600.0 + 1905.0);
+        assert_eq!((m.year, m.day, m.day_group), (12, 5, 0));
+        assert!((m.time_of_day - 0.25).abs() < 1e-4);
+        for odd in [f64::NAN, f64::INFINITY, -1.0e300] {
+            assert_eq!(table.moment(odd).time_of_day, 0.5);
+        }
+        assert_eq!(SkyTable::default().moment(1.0e6).day, 0);
+    }
+
+    #[test]
+    fn r16_2_times_of_day_blend_and_wrap() {
+        use vestibule_dat::primitive::Argb;
+        let entry = |begin: f32, bright: f32, heading: f32, fog: u32| SkyTime {
+            begin,
+            dir_bright: bright,
+            dir_heading: heading,
+            amb_bright: bright,
+            fog_type: fog,
+            min_fog: 10.0 * bright,
+            max_fog: 100.0,
+            fog_color: Argb(0xFF80_8080),
+            ..SkyTime::default()
+        };
+        let mut day = group();
+        day.sky_times = vec![entry(0.25, 1.0, 350.0, 1), entry(0.75, 3.0, 10.0, 1)];
+        let table = SkyTable::from_groups(vec![day.clone()]);
+        let noon = table.daylight(0, 0.5);
+        assert!((noon.ambient - 2.0).abs() < 1e-5);
+        // From 350 to 10 degrees by the shorter way: due north at the middle.
+        assert!(
+            noon.sun.x.abs() < 1e-3 && (noon.sun.y - 2.0).abs() < 1e-3,
+            "{}",
+            noon.sun
+        );
+        assert_eq!(noon.fog.map(|f| f.start), Some(20.0));
+        // The last entry leads back to the first.
+        assert!((table.daylight(0, 0.0).ambient - 2.0).abs() < 1e-5);
+        assert!((table.daylight(0, 0.85).ambient - 2.6).abs() < 1e-5);
+        day.sky_times[1].fog_type = 0;
+        assert_eq!(
+            SkyTable::from_groups(vec![day]).daylight(0, 0.5).fog,
+            None,
+            "both must be on"
+        );
+    }
+
+    #[test]
+    fn r16_3_things_of_the_sky_rise_and_set() {
+        let mut day = group();
+        day.sky_objects = vec![
+            SkyObject {
+                begin_time: 0.25,
+                end_time: 0.75,
+                begin_angle: 0.0,
+                end_angle: 180.0,
+                gfx_obj: 0x0100_0001,
+                ..SkyObject::default()
+            },
+            SkyObject {
+                gfx_obj: 0x0100_0002,
+                properties: 1 | 4,
+                ..SkyObject::default()
+            },
+        ];
+        let table = SkyTable::from_groups(vec![day]);
+        let at = |t: f32| table.things(0, t);
+        assert_eq!(at(0.2).len(), 1, "not risen; the other is always there");
+        let noon = at(0.5);
+        assert_eq!(noon.len(), 2);
+        assert!((noon[0].angle - core::f32::consts::FRAC_PI_2).abs() < 1e-5);
+        assert!(!noon[0].after && noon[1].after && noon[1].weather);
     }
 
     #[test]

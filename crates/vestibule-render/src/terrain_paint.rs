@@ -8,7 +8,7 @@ use vestibule_world::texture_code::{blend_hash, quarter_turns, road_masks, terra
 use vestibule_world::{REGION_RECORD, World};
 
 use crate::assets::{Assets, rgb};
-use crate::texture::{DecodeAs, Texture};
+use crate::texture::{DecodeAs, TexelWalk, Texture};
 
 /// Terrain type of roads (`rendering.md` 11.4).
 const ROAD: usize = 32;
@@ -17,10 +17,11 @@ const TYPES: usize = 33;
 
 /// The texture of a terrain type.
 #[derive(Clone, Debug)]
-pub(crate) struct TypeTexture {
-    pub(crate) texture: Arc<Texture>,
+pub struct TypeTexture {
+    /// The picture.
+    pub texture: Arc<Texture>,
     /// Repeats per cell.
-    pub(crate) tiling: f32,
+    pub tiling: f32,
 }
 
 /// A blend map and the corners it shows as the other terrain's.
@@ -42,7 +43,7 @@ pub struct TerrainPaint {
 
 /// How one layer covers a cell.
 #[derive(Clone, Debug)]
-pub(crate) enum Cover {
+pub enum Cover {
     /// By a map, turned by this many quarters.
     Map(Arc<Texture>, u32),
     /// By the corners alone, for worlds without maps: smooth from corner to corner.
@@ -53,19 +54,24 @@ pub(crate) enum Cover {
 
 /// One layer over the base.
 #[derive(Clone, Debug)]
-pub(crate) struct Layer {
-    pub(crate) texture: TypeTexture,
-    pub(crate) cover: Cover,
+pub struct Layer {
+    /// What it shows.
+    pub texture: TypeTexture,
+    /// Where.
+    pub cover: Cover,
 }
 
 /// How a land cell is painted.
 #[derive(Clone, Debug)]
-pub(crate) struct CellPaint {
-    pub(crate) base: TypeTexture,
-    pub(crate) overlays: Vec<Layer>,
+pub struct CellPaint {
+    /// Covers all of it.
+    pub base: TypeTexture,
+    /// Over the base, the last on top.
+    pub overlays: Vec<Layer>,
     /// Road maps; they share one texture.
-    pub(crate) roads: Vec<Cover>,
-    pub(crate) road: TypeTexture,
+    pub roads: Vec<Cover>,
+    /// The texture of roads, on top of everything.
+    pub road: TypeTexture,
 }
 
 impl TerrainPaint {
@@ -131,6 +137,17 @@ impl TerrainPaint {
     /// Whether any terrain type has a texture from a record.
     pub fn has_textures(&self) -> bool {
         self.textured
+    }
+
+    /// The textures of all terrain types, roads among them.
+    pub fn types(&self) -> &[TypeTexture] {
+        &self.types
+    }
+
+    /// The maps that layers are blended by, those of corners, sides and roads.
+    pub fn maps(&self) -> impl Iterator<Item = &Arc<Texture>> {
+        let all = [&self.corner_maps, &self.side_maps, &self.road_maps];
+        all.into_iter().flatten().map(|m| &m.map)
     }
 
     fn texture(&self, kind: usize) -> TypeTexture {
@@ -206,7 +223,7 @@ impl Cover {
                     3 => (v, 1.0 - u),
                     _ => (u, v),
                 };
-                map.sample(u, v, 0.0, false)[3] / 255.0
+                f32::from(map.fetch(0, u, v, false)[3]) / 255.0
             }
             Cover::Corners(mask) => {
                 let on = |bit: u32| if mask & bit != 0 { 1.0 } else { 0.0 };
@@ -221,19 +238,109 @@ impl Cover {
     }
 }
 
-impl CellPaint {
-    /// The colour (0…255) at (u, v) of the cell, u east, v south; `lod` is the mip level of a texture that covers
-    /// the cell once with 256 texels.
+/// The base, three overlays and the road.
+const MAX_LAYERS: usize = 5;
+
+/// A straight way over a cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Way {
+    /// (u, v), u east, v south.
+    pub(crate) from: [f32; 2],
+    /// (u, v).
+    pub(crate) to: [f32; 2],
+    /// Steps from one to the other.
+    pub(crate) steps: u32,
+    /// The square of how much of the cell's side a pixel covers.
+    pub(crate) texels: f32,
+}
+
+/// A straight walk over a cell: its layers, each with the weight of what lies below and its change, in 256ths.
+pub(crate) struct PaintWalk<'t> {
+    layers: [Option<(TexelWalk<'t>, i32, i32)>; MAX_LAYERS],
+    count: usize,
+}
+
+impl<'t> PaintWalk<'t> {
+    /// A layer over those so far; `below` is what is left of these at both ends.
     #[inline]
-    pub(crate) fn sample(&self, u: f32, v: f32, texels_per_pixel: f32) -> [f32; 3] {
-        let of = |t: &TypeTexture| -> [f32; 3] {
-            let texels = texels_per_pixel * t.tiling * t.texture.width() as f32;
-            let lod = if texels > 1.0 { libm::log2f(texels) } else { 0.0 };
-            let c = t.texture.sample(u * t.tiling, v * t.tiling, lod, true);
-            [c[0], c[1], c[2]]
+    fn add(&mut self, layer: &'t TypeTexture, way: &Way, below: [f32; 2]) {
+        if below[0] >= 1.0 && below[1] >= 1.0 {
+            return;
+        }
+        if below[0] <= 0.0 && below[1] <= 0.0 {
+            self.count = 0;
+        }
+        let size = layer.tiling * layer.texture.width() as f32;
+        let level = layer
+            .texture
+            .level(layer.texture.level_for(way.texels * size * size));
+        let (from, to) = (
+            way.from.map(|v| v * layer.tiling),
+            way.to.map(|v| v * layer.tiling),
+        );
+        let texel = TexelWalk::new(level, from, to, way.steps, true);
+        let weight = below.map(|w| (w * 256.0) as i32);
+        let by = (weight[1] - weight[0]) / way.steps.max(1) as i32;
+        if let Some(slot) = self.layers.get_mut(self.count) {
+            *slot = Some((texel, weight[0], by));
+            self.count += 1;
+        }
+    }
+
+    /// The colour after `k` steps.
+    #[inline]
+    pub(crate) fn at(&self, k: u32) -> [u8; 4] {
+        let mut c = [0; 4];
+        for (texel, weight, by) in self.layers[..self.count].iter().flatten() {
+            let over = texel.at(k);
+            let w = weight + by * k as i32;
+            if w <= 0 {
+                c = over;
+                continue;
+            }
+            c = core::array::from_fn(|k| {
+                let (below, over) = (i32::from(c[k]), i32::from(over[k]));
+                (over + (((below - over) * w) >> 8)) as u8
+            });
+        }
+        c
+    }
+}
+
+impl CellPaint {
+    /// What a straight walk over the cell meets.
+    #[inline]
+    pub(crate) fn walk(&self, way: &Way) -> PaintWalk<'_> {
+        let mut walk = PaintWalk {
+            layers: [const { None }; MAX_LAYERS],
+            count: 0,
         };
-        let mix = |below: [f32; 3], over: [f32; 3], a: f32| -> [f32; 3] {
-            core::array::from_fn(|k| over[k] + (below[k] - over[k]) * a)
+        walk.add(&self.base, way, [0.0; 2]);
+        for layer in &self.overlays {
+            let below = |[u, v]: [f32; 2]| layer.cover.below(u, v);
+            walk.add(&layer.texture, way, [below(way.from), below(way.to)]);
+        }
+        if !self.roads.is_empty() {
+            let below = |[u, v]: [f32; 2]| self.roads.iter().fold(1.0, |w, c| w * c.below(u, v));
+            walk.add(&self.road, way, [below(way.from), below(way.to)]);
+        }
+        walk
+    }
+
+    /// The colour at (u, v) of the cell, u east, v south; `texels` is the square of how much of the cell's side a pixel
+    /// covers.
+    #[inline]
+    pub(crate) fn fetch(&self, u: f32, v: f32, texels: f32) -> [u8; 4] {
+        let of = |t: &TypeTexture| -> [u8; 4] {
+            let size = t.tiling * t.texture.width() as f32;
+            let level = t.texture.level_for(texels * size * size);
+            t.texture.fetch(level, u * t.tiling, v * t.tiling, true)
+        };
+        let mix = |below: [u8; 4], over: [u8; 4], a: f32| -> [u8; 4] {
+            core::array::from_fn(|k| {
+                let (b, o) = (f32::from(below[k]), f32::from(over[k]));
+                (o + (b - o) * a + 0.5) as u8
+            })
         };
         let mut c = of(&self.base);
         for layer in &self.overlays {
@@ -389,8 +496,26 @@ mod tests {
             roads: vec![],
             road: solid(40),
         };
-        assert_eq!(cell.sample(0.5, 0.5, 0.0), [30.0; 3]);
+        let way = |from, to| Way {
+            from,
+            to,
+            steps: 8,
+            texels: 0.0,
+        };
+        assert_eq!(cell.fetch(0.5, 0.5, 0.0)[..3], [30; 3]);
         cell.roads.push(Cover::Whole);
-        assert_eq!(cell.sample(0.5, 0.5, 0.0), [40.0; 3]);
+        assert_eq!(cell.fetch(0.5, 0.5, 0.0)[..3], [40; 3]);
+        assert_eq!(cell.walk(&way([0.1; 2], [0.9; 2])).at(3)[..3], [40; 3]);
+        // A walk over a border blends as single places do.
+        cell.roads = vec![Cover::Corners(6)];
+        let walk = cell.walk(&way([0.4, 0.5], [0.6, 0.5]));
+        for k in 0..=8 {
+            let exact = cell.fetch(0.4 + 0.025 * k as f32, 0.5, 0.0)[0];
+            assert!(
+                walk.at(k)[0].abs_diff(exact) <= 2,
+                "{k}: {} {exact}",
+                walk.at(k)[0]
+            );
+        }
     }
 }

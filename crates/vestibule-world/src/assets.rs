@@ -87,7 +87,13 @@ impl Records {
     pub(crate) fn model(&self, id: u32, needed_by: u32) -> Option<Arc<Model>> {
         cached(&self.assets.models, &self.assets.bytes, id, || {
             self.parse(Store::Portal, id, needed_by, record::GfxObj::parse)
-                .map(|record| compile::model(id, &record))
+                .map(|record| {
+                    let mut model = compile::model(id, &record);
+                    if let (true, Some(physics)) = (self.exact, &mut model.physics) {
+                        physics.forget_hints();
+                    }
+                    model
+                })
         })
     }
 
@@ -179,7 +185,13 @@ impl Records {
         if let Some(record) = self.parse(Store::Portal, environment, cell, record::Environment::parse) {
             for shape in &record.cell_structs {
                 if let Ok(key) = u16::try_from(shape.id) {
-                    let make = || Some(compile::cell_struct(environment, key, shape));
+                    let make = || {
+                        let mut made = compile::cell_struct(environment, key, shape);
+                        if let (true, Some(physics)) = (self.exact, &mut made.physics) {
+                            physics.forget_hints();
+                        }
+                        Some(made)
+                    };
                     cached(structs, bytes, (environment, key), make);
                 }
             }

@@ -2,7 +2,7 @@
 
 use crate::cell_array::CellArray;
 use crate::constants::SQUARE_LENGTH;
-use crate::env_cell::EnvCell;
+use crate::env_cell::{EnvCell, PortalTarget};
 use crate::geometry::{CylSphere, Sphere};
 use crate::ids::{CellId, block_offset};
 use crate::landblock::Landblock;
@@ -122,18 +122,28 @@ fn from_resident_env_cell(
 /// itself.
 #[inline]
 pub fn calm_distance(world: &World, seed: CellId, spheres: &[Sphere]) -> f32 {
-    let Some(block) = world.block(seed.block()) else {
+    let Some(block) = world.block(seed.block()).filter(|_| !world.settings().exact) else {
         return 0.0;
     };
     if seed.is_indoor() {
         block
             .env_cell(seed)
-            .map_or(0.0, |cell| cell.hints.calm_distance(spheres))
+            .map_or(0.0, |cell| calm_in_room(block, cell, spheres))
     } else {
         block
             .land_cell(seed)
             .map_or(0.0, |cell| calm_on_land(world, block, seed, cell, spheres))
     }
+}
+
+/// As [`calm_distance`] in an env cell of a landblock.
+#[inline]
+pub fn calm_in_room(block: &Landblock, cell: &EnvCell, spheres: &[Sphere]) -> f32 {
+    cell.hints
+        .calm_distance(spheres, |index| match cell.portals.get(index)?.other {
+            PortalTarget::Cell(id) if id.block() == block.id => block.env_cell(id).map(|other| &other.hints),
+            _ => None,
+        })
 }
 
 /// As [`calm_distance`] in a land cell: from its borders, its diagonal and what is behind its building's portals.

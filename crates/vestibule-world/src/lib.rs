@@ -49,6 +49,7 @@ mod loader;
 pub mod lscape;
 mod open_box;
 mod physics_bsp;
+mod plane_quads;
 mod polygon;
 mod position;
 mod records;
@@ -73,7 +74,8 @@ pub use cell_manager::CellManager;
 pub use env_cell::{CellPortal, CellStruct, EnvCell, PortalTarget};
 pub use error::{LoadProblem, ProblemKind, WorldError};
 pub use find_cell_list::{
-    CellList, MAX_CELL_LIST_CYLSPHERES, calm_distance, find_cell_list, find_cell_list_of_cylspheres,
+    CellList, MAX_CELL_LIST_CYLSPHERES, calm_distance, calm_in_room, find_cell_list,
+    find_cell_list_of_cylspheres,
 };
 pub use frame::{Frame, normalise};
 pub use geometry::{BoundingBox, CylSphere, Plane, Side, Sphere};
@@ -84,7 +86,7 @@ pub use polygon::{Polygon, PolygonSet};
 pub use position::{MapCoordinates, ParseMapCoordinatesError, ParsePositionError, Position, heading_of};
 pub use region::{REGION_RECORD, Region};
 pub use residency::{ResidencySettings, ResidencyStats};
-pub use shadow::{ShadowLists, calc_cross_cells_static, part_bounds};
+pub use shadow::{ShadowLists, StaticReach, calc_cross_cells_static, part_bounds};
 pub use shape::{Aperture, Building, BuildingPortal, Model, Shape, ShapePart, StaticObject, StaticRef};
 pub use source::{MemoryRecords, RecordSource, SourceError, Store};
 pub use terrain::{LandCell, Split, TerrainPolygon, TerrainWord, Water};

@@ -48,7 +48,9 @@ pub(crate) fn landblock(records: &Records, id: BlockId) -> Option<Landblock> {
     if land.is_none() && env_cells.is_empty() {
         return None;
     }
-    set_hints(&mut env_cells);
+    if !records.exact {
+        set_hints(&mut env_cells);
+    }
     let block = Landblock {
         id,
         land,

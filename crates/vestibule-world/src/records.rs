@@ -17,6 +17,8 @@ pub(crate) struct Records {
     pub(crate) source: Box<dyn RecordSource>,
     pub(crate) region: Region,
     pub(crate) assets: Assets,
+    /// Nothing compiled from them holds hints.
+    pub(crate) exact: bool,
     problems: Mutex<Problems>,
 }
 
@@ -27,11 +29,12 @@ struct Problems {
 }
 
 impl Records {
-    pub(crate) fn new(source: Box<dyn RecordSource>, region: Region) -> Self {
+    pub(crate) fn new(source: Box<dyn RecordSource>, region: Region, exact: bool) -> Self {
         Records {
             source,
             region,
             assets: Assets::default(),
+            exact,
             problems: Mutex::default(),
         }
     }

@@ -20,7 +20,17 @@ pub struct ShadowLists {
     starts: Box<[u32]>,
     refs: Box<[StaticRef]>,
     /// How far each of `refs` reaches, in the frame of the lists' landblock.
-    reaches: Box<[Sphere]>,
+    reaches: Box<[StaticReach]>,
+}
+
+/// How far a static object that can be run into reaches, in the frame of the lists' landblock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StaticReach {
+    /// Holds all of it. A radius below zero: it cannot be run into.
+    pub sphere: Sphere,
+    /// A sphere farther from [`StaticReach::sphere`] than its radius times this does not touch the object: tests
+    /// against cylinders are square in section.
+    pub stretch: f32,
 }
 
 impl ShadowLists {
@@ -30,10 +40,9 @@ impl ShadowLists {
         self.refs.get(self.range(cell)).unwrap_or(&[])
     }
 
-    /// As [`ShadowLists::of`], with a sphere that holds all of each object that can be run into, in the frame of
-    /// the lists' landblock. A radius below zero: nothing can.
+    /// As [`ShadowLists::of`], with how far each object reaches.
     #[inline]
-    pub fn with_reaches(&self, cell: CellId) -> impl Iterator<Item = (StaticRef, &Sphere)> {
+    pub fn with_reaches(&self, cell: CellId) -> impl Iterator<Item = (StaticRef, &StaticReach)> {
         let range = self.range(cell);
         let refs = self.refs.get(range.clone()).unwrap_or(&[]);
         refs.iter().copied().zip(self.reaches.get(range).unwrap_or(&[]))
@@ -61,7 +70,7 @@ impl ShadowLists {
     /// Builds the lists of `block` from its own statics and those of the blocks around it.
     pub(crate) fn build(world: &World, block: &Landblock) -> Self {
         let cells = LAND_CELLS + block.env_cells.len();
-        let mut found: Vec<(usize, StaticRef, Sphere)> = Vec::new();
+        let mut found: Vec<(usize, StaticRef, StaticReach)> = Vec::new();
         for dx in -1..=1 {
             for dy in -1..=1 {
                 let Some(id) = block.id.neighbour(dx, dy) else {
@@ -78,9 +87,14 @@ impl ShadowLists {
                 for &(cell, index) in entries.iter().filter(|(cell, _)| cell.block() == block.id) {
                     let placed = near.statics.get(index as usize);
                     if let (Some(slot), Some(object)) = (slot(cell).filter(|&s| s < cells), placed) {
-                        let mut bound = bounding_sphere_of(object);
-                        bound.center += block_offset(block.id, object.cell.block());
-                        found.push((slot, StaticRef { block: id, index }, bound));
+                        let mut sphere = bounding_sphere_of(object);
+                        sphere.center += block_offset(block.id, object.cell.block());
+                        let stretch = if object.shape.has_physics_bsp { 1.0 } else { 1.5 };
+                        found.push((
+                            slot,
+                            StaticRef { block: id, index },
+                            StaticReach { sphere, stretch },
+                        ));
                     }
                 }
             }

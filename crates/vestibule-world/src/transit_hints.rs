@@ -23,8 +23,28 @@ pub struct TransitHints {
     away: Box<[Plane]>,
     /// The planes of the cell BSP.
     planes: Box<[Plane]>,
+    /// They are all of them, and the cell holds points at all.
+    is_walled: bool,
+    /// Spheres of up to [`QUIET_RADIUS`] with centres in this box may be shifted by [`QUIET`] and touch this cell
+    /// only; inside out when there is none.
+    quiet: QuietBox,
     /// No polygon of the physics BSP enters this box; inside out when there is none.
     open: OpenSpace,
+}
+
+/// Radius of the spheres that [`TransitHints::quiet`] is for, metres.
+const QUIET_RADIUS: f32 = 0.5;
+/// How far they may be shifted, metres.
+const QUIET: f32 = 0.2;
+
+/// A box that is empty unless something else is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct QuietBox(BoundingBox);
+
+impl Default for QuietBox {
+    fn default() -> Self {
+        QuietBox(NO_BOX)
+    }
 }
 
 /// Open space of a cell in the frame of its landblock.
@@ -79,29 +99,78 @@ impl TransitHints {
             Some(BoundingBox { min, max }) => {
                 q.x > min.x && q.x < max.x && q.y > min.y && q.y < max.y && q.z > min.z && q.z < max.z
             }
-            None => false,
+            None => self.is_walled && self.planes.iter().all(|plane| plane.dist(q) > SLACK + EPSILON),
         }
     }
 
     /// How far spheres at these places may be shifted together and still touch this cell only, with the first
-    /// centre inside, metres. Zero or less: nothing is certain.
+    /// centre inside, metres. Zero or less: nothing is certain. `beyond` gives the hints of what a portal leads to.
     #[inline]
-    pub(crate) fn calm_distance(&self, spheres: &[Sphere]) -> f32 {
-        let (Some(BoundingBox { min, max }), Some(foot)) = (&self.core, spheres.first()) else {
+    pub(crate) fn calm_distance<'a>(
+        &self,
+        spheres: &[Sphere],
+        beyond: impl Fn(usize) -> Option<&'a TransitHints>,
+    ) -> f32 {
+        /// Nearer than this a neighbour is looked at closely, metres.
+        const NEAR: f32 = 0.1;
+        let Some(foot) = spheres.first() else {
             return 0.0;
         };
-        let (a, b) = (foot.center - *min, *max - foot.center);
-        let mut least = a.x;
-        for d in [a.y, a.z, b.x, b.y, b.z] {
-            least = if d < least { d } else { least };
+        let BoundingBox { min, max } = &self.quiet.0;
+        let is_quiet = |s: &Sphere| {
+            let c = s.center;
+            s.radius <= QUIET_RADIUS
+                && c.x > min.x
+                && c.x < max.x
+                && c.y > min.y
+                && c.y < max.y
+                && c.z > min.z
+                && c.z < max.z
+        };
+        if spheres.iter().all(is_quiet) {
+            return QUIET * UNIT_TOLERANCE;
         }
-        for plane in &self.away {
+        let mut least = self.distance_inside(foot.center);
+        if !(least > 0.0) {
+            return 0.0;
+        }
+        for (index, plane) in self.away.iter().enumerate() {
+            let mut apart = f32::INFINITY;
             for s in spheres {
                 let d = -(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)) - plane.dist(s.center);
-                least = if d < least { d } else { least };
+                apart = if d < apart { d } else { apart };
             }
+            if apart < NEAR
+                && let Some(hints) = beyond(index)
+            {
+                let d = hints.outside_distance(spheres);
+                apart = if d > apart { d } else { apart };
+            }
+            least = if apart < least { apart } else { least };
         }
         least * UNIT_TOLERANCE
+    }
+
+    /// How far a point may be shifted and certainly stays inside the cell, metres. Zero or less: nothing is certain.
+    #[inline(always)]
+    fn distance_inside(&self, p: Vec3) -> f32 {
+        if let Some(BoundingBox { min, max }) = &self.core {
+            let (a, b) = (p - *min, *max - p);
+            let mut least = a.x;
+            for d in [a.y, a.z, b.x, b.y, b.z] {
+                least = if d < least { d } else { least };
+            }
+            return least;
+        }
+        if !self.is_walled {
+            return 0.0;
+        }
+        let mut least = f32::INFINITY;
+        for plane in &self.planes {
+            let d = plane.dist(p) - (SLACK + EPSILON);
+            least = if d < least { d } else { least };
+        }
+        least
     }
 
     /// How far spheres may be shifted together and certainly stay outside the cell, metres. Zero or less: nothing
@@ -193,12 +262,13 @@ pub(crate) fn refresh_away(cells: &mut [Option<EnvCell>], index: usize) {
     if cell.hints.away.is_empty() {
         return;
     }
-    let away = cell
+    let away: Box<[Plane]> = cell
         .portals
         .iter()
         .map(|portal| away_from(cell, portal, cells))
         .collect();
     if let Some(Some(cell)) = cells.get_mut(index) {
+        cell.hints.quiet = quiet_box(cell.hints.core, &away);
         cell.hints.away = away;
     }
 }
@@ -207,14 +277,19 @@ fn hints_of(cell: &EnvCell, cells: &[Option<EnvCell>]) -> TransitHints {
     if !is_near(cell) || is_overgrown(cell) {
         return TransitHints::default();
     }
+    let planes = global_planes(cell);
+    let core = core_of(cell);
+    let away: Box<[Plane]> = cell
+        .portals
+        .iter()
+        .map(|portal| away_from(cell, portal, cells))
+        .collect();
     TransitHints {
-        core: core_of(cell),
-        away: cell
-            .portals
-            .iter()
-            .map(|portal| away_from(cell, portal, cells))
-            .collect(),
-        planes: global_planes(cell),
+        quiet: quiet_box(core, &away),
+        core,
+        is_walled: !cell.portals.is_empty() && planes.len() == cell.structure.cell_bsp.planes().len(),
+        away,
+        planes,
         open: open_space_of(cell),
     }
 }
@@ -269,6 +344,35 @@ fn open_space_of(cell: &EnvCell) -> OpenSpace {
             is_hollow: physics.open_is_hollow(),
         },
         None => OpenSpace::default(),
+    }
+}
+
+/// The part of a cell's core that is far from all it leads to.
+fn quiet_box(core: Option<BoundingBox>, away: &[Plane]) -> QuietBox {
+    const REACH: f32 = QUIET_RADIUS + CELL_BSP_SPHERE_FUDGE + SLACK + QUIET;
+    let Some(core) = core else {
+        return QuietBox::default();
+    };
+    let mut found = BoundingBox {
+        min: core.min + Vec3::splat(QUIET),
+        max: core.max - Vec3::splat(QUIET),
+    };
+    for plane in away {
+        let n = plane.normal;
+        let k = (0..3).fold(0, |k, i| if n[i].abs() > n[k].abs() { i } else { k });
+        // Where the plane is crossed, a little on the safe side: it may be tilted by rounding.
+        let limit = (-(REACH + SLACK) - plane.d) / n[k];
+        if n[k] > 0.0 && limit < found.max[k] {
+            found.max[k] = limit;
+        } else if n[k] < 0.0 && limit > found.min[k] {
+            found.min[k] = limit;
+        }
+    }
+    let is_far = |c: &Vec3| away.iter().all(|plane| plane.dist(*c) <= -REACH);
+    if (found.max - found.min).min_element() > 0.0 && found.corners().iter().all(is_far) {
+        QuietBox(found)
+    } else {
+        QuietBox::default()
     }
 }
 

@@ -28,6 +28,9 @@ pub struct WorldSettings {
     /// Apply the block offset when spheres enter a building of a neighbouring landblock (`world.md` D4). Retail
     /// does not: such a building is entered one step later, once the position has crossed the border.
     pub offset_building_transit: bool,
+    /// Work out none of the hints that spare most look-ups and collisions their exact tests. Answers are the same
+    /// to the bit, only slower: this is what shortcuts are held against.
+    pub exact: bool,
 }
 
 /// What the DAT files say, compiled for look-ups. Landblocks load when first touched, from any thread; once
@@ -62,7 +65,7 @@ impl World {
         let region = Region::read(&source)?;
         let blocks = (0..BLOCK_SLOTS).map(|_| OnceLock::new()).collect();
         Ok(World {
-            records: Arc::new(Records::new(Box::new(source), region)),
+            records: Arc::new(Records::new(Box::new(source), region, settings.exact)),
             settings,
             blocks,
             distant: BTreeMap::new(),

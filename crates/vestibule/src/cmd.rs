@@ -4,17 +4,23 @@ mod bench;
 mod build;
 mod conform;
 mod dat;
+#[cfg(feature = "explore")]
+mod explore;
 mod id;
 mod inspect;
 mod ls;
 mod map;
 mod place;
 mod refs;
+mod render;
 mod replay;
 mod tour;
 mod visible;
 mod walk;
 mod wheres;
+
+use std::io::Write as _;
+use std::path::Path;
 
 use crate::ui::Context;
 
@@ -26,6 +32,9 @@ pub(crate) enum Command {
     Ls(ls::Args),
     Refs(refs::Args),
     Visible(visible::Args),
+    Render(render::Args),
+    #[cfg(feature = "explore")]
+    Explore(explore::Args),
     Walk(walk::Args),
     Replay(replay::Args),
     Map(map::Args),
@@ -47,6 +56,9 @@ impl Command {
             Command::Refs(args) => refs::run(args, context),
             Command::Build(args) => build::run(args, context),
             Command::Visible(args) => visible::run(args, context),
+            Command::Render(args) => render::run(args, context),
+            #[cfg(feature = "explore")]
+            Command::Explore(args) => explore::run(args, context),
             Command::Bench(command) => command.run(context),
             Command::Walk(args) => walk::run(args, context),
             Command::Replay(args) => replay::run(args, context),
@@ -55,4 +67,20 @@ impl Command {
             Command::Conform(args) => conform::run(args, context),
         }
     }
+}
+
+/// Writes a file as a whole or not at all: under another name first, then renamed.
+fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.part", std::process::id()));
+    let part = path.with_file_name(name);
+    let write = || {
+        let mut file = std::fs::File::create(&part)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        std::fs::rename(&part, path)
+    };
+    write().inspect_err(|_| {
+        let _ = std::fs::remove_file(&part);
+    })
 }

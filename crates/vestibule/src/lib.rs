@@ -6,6 +6,8 @@
 //! * [`dat`] reads and writes the retail DAT files, byte for byte;
 //! * [`world`] is the cell graph made from them: cells, portals, terrain, buildings, and which cell a body is in;
 //! * [`open_world`] opens a folder of DAT files, or a small world that is built in;
+//! * [`physics`] moves bodies through it by the collision sweep; [`view`] says what can be seen; [`render`] draws it;
+//! * [`studio`] makes pictures in a few lines, [`tour`] walks through everything;
 //! * [`conform`] runs test vectors.
 //!
 //! ```
@@ -30,11 +32,13 @@
 pub use vestibule_dat as dat;
 pub use vestibule_forge as forge;
 pub use vestibule_physics as physics;
+pub use vestibule_render as render;
 pub use vestibule_view as view;
 pub use vestibule_world as world;
 
 pub mod conform;
 pub mod describe;
+pub mod film;
 pub mod locate;
 pub mod map_svg;
 mod open;
@@ -42,6 +46,7 @@ pub mod references;
 pub mod replay;
 pub mod round_trips;
 pub mod route;
+pub mod studio;
 pub mod tour;
 pub mod visible_svg;
 pub mod walk;

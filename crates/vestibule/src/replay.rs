@@ -15,6 +15,8 @@ pub struct Row {
     pub line: usize,
     /// The cell the look-up started from; the row before, in trails.
     pub seed: Option<CellId>,
+    /// The body was put here, not carried from the row before.
+    pub teleported: bool,
     /// Foot point in the frame of the landblock of `cell`, metres.
     pub pos: Vec3,
     /// The cell that was recorded.
@@ -81,6 +83,8 @@ fn read_trail(text: &str) -> Result<Vec<Row>, ReplayError> {
     struct Step {
         cell: String,
         pos: [f32; 3],
+        #[serde(default)]
+        teleport: bool,
     }
     let mut out: Vec<Row> = Vec::new();
     for (line, text) in (1..)
@@ -93,10 +97,14 @@ fn read_trail(text: &str) -> Result<Vec<Row>, ReplayError> {
             .cell
             .parse()
             .map_err(|e: vestibule_world::ParseCellIdError| fail(e.to_string()))?;
+        if step.pos.iter().any(|v| !v.is_finite()) {
+            return Err(fail(format!("the position {:?} is not finite", step.pos)));
+        }
         let seed = out.last().map(|row| row.cell);
         out.push(Row {
             line,
             seed,
+            teleported: step.teleport,
             pos: step.pos.into(),
             cell,
         });
@@ -155,6 +163,7 @@ fn read_log(text: &str, block: u16) -> Result<Vec<Row>, ReplayError> {
         out.push(Row {
             line,
             seed: Some(cell(seed)?),
+            teleported: false,
             pos,
             cell: cell(picked)?,
         });
@@ -185,7 +194,7 @@ pub fn run(world: &World, rows: &[Row]) -> ReplayReport {
             let from = Position::new(last.cell, last.pos);
             row.seed == Some(last.cell) && from.offset_to(&Position::new(row.cell, row.pos)).length() > 2.0
         });
-        if jumped {
+        if jumped || row.teleported {
             report.skipped += 1;
             continue;
         }

@@ -28,9 +28,9 @@ pub enum WalkError {
     #[error("no way on foot leads from {from} to {to}")]
     NoWay {
         /// Where the walk came to.
-        from: Position,
+        from: String,
         /// Where it should have led.
-        to: Position,
+        to: String,
     },
     /// A line of a script cannot be read.
     #[error("line {line}, column {column}: {problem}")]
@@ -58,8 +58,8 @@ pub fn to_target(world: &World, from: &Position, to: &Position) -> Result<Vec<Tr
     let mut trail = vec![step_of(&footing, 0)];
     let mut barred: Vec<PortalId> = Vec::new();
     let lost = |footing: &Footing| WalkError::NoWay {
-        from: footing.at,
-        to: *to,
+        from: footing.at.to_string(),
+        to: to.to_string(),
     };
     'tries: for _ in 0..TRIES {
         let passages = route::passages(world, footing.at.cell, target.at.cell, &barred);
@@ -90,6 +90,7 @@ fn step_of(footing: &Footing, ticks: usize) -> TrailStep {
         cell: at.cell,
         pos: at.origin(),
         standing: false,
+        teleported: false,
     }
 }
 
@@ -265,6 +266,7 @@ impl<'w> Run<'w> {
             cell,
             pos,
             standing: false,
+            teleported: false,
         });
     }
 

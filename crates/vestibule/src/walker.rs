@@ -1,9 +1,11 @@
 //! A player on foot: moves by sweeps and owns its cell, the way routes are planned and tours are walked.
 
+use std::sync::Arc;
+
 use glam::{Vec2, Vec3};
-use vestibule_physics::{Carried, Mover, Population, Scratch, place, sweep};
+use vestibule_physics::{Body, BodyId, Carried, Mover, Population, Scratch, place, sweep};
 use vestibule_world::ids::block_offset;
-use vestibule_world::{BlockId, CellId, Position, World, adjust_position};
+use vestibule_world::{BlockId, CellId, Position, Shape, World, adjust_position};
 
 /// Length of a tick, seconds: retail's physics gate (`evidence.md` E4).
 pub const TICK: f32 = 1.0 / 30.0;
@@ -62,6 +64,35 @@ impl<'w> Walker<'w> {
     /// The world walked in.
     pub fn world(&self) -> &'w World {
         self.world
+    }
+
+    /// The bodies that are in the way, such as doors.
+    pub fn population(&self) -> &Population {
+        &self.population
+    }
+
+    /// Puts a door into its frame: a body of this shape, shut. `None` where it cannot be.
+    pub fn add_door(&mut self, shape: Arc<Shape>, at: &Position) -> Option<BodyId> {
+        let id = self.population.add(Body::new(shape, 1.0).ok()?);
+        if self
+            .population
+            .force_into_cell(self.world, &mut self.scratch, id, at)
+        {
+            return Some(id);
+        }
+        self.population.remove(id);
+        None
+    }
+
+    /// Opens a door, or shuts it again.
+    pub fn set_open(&mut self, door: BodyId, open: bool) {
+        self.population
+            .set_ethereal(self.world, &mut self.scratch, door, open);
+    }
+
+    /// Takes a door away.
+    pub fn remove_door(&mut self, door: BodyId) {
+        self.population.remove(door);
     }
 
     /// A position's origin in the frame of the routes.
@@ -140,6 +171,11 @@ impl<'w> Walker<'w> {
                     ..swept.position
                 };
                 next.carried = swept.carried();
+                // The head met a ceiling: what is left of the jump is spent.
+                let rose = next.at.origin().z - from.at.origin().z;
+                if wanted.z > 0.0 && rose < 0.5 * wanted.z {
+                    next.rise = 0.0;
+                }
                 next
             }
             _ => next,

@@ -99,7 +99,7 @@ fn a_node_that_points_outside_leaves_other_records_usable() {
         .fails(1)
         .shows(&["problem: record 0xA9B40100", "cell"]);
     // The rest of the world can still be walked; what is missing is said.
-    let tour = sandbox.run(&["tour", "--dat", "w", "--stand", "2"]);
+    let tour = sandbox.run(&["tour", "--dat", "w", "--stand", "2", "--no-pictures"]);
     assert_eq!(tour.code, Some(0), "{}", tour.err);
     tour.says(&["warning", "0xA9B40100"]);
 }
@@ -406,11 +406,83 @@ fn files_that_cannot_be_written() {
         .fails(1)
         .says(&["cannot write file/m.svg"]);
     sandbox
-        .run(&["tour", "--out", "file", "--stand", "1"])
+        .run(&["tour", "--out", "file", "--stand", "1", "--no-look"])
         .fails(1)
         .says(&["cannot create file"]);
     sandbox
         .run(&["dat", "extract", "0xA9B40100", "-o", "file/x"])
         .fails(1)
         .says(&["cannot write file/x"]);
+}
+
+#[test]
+fn recordings_walks_and_benches_that_have_nothing_to_say() {
+    let sandbox = Sandbox::new();
+    let place = "0xA9B40031 [155.5 24 94.1]";
+    sandbox.write("words.txt", "hello\n");
+    sandbox.write("one.jsonl", "{\"cell\":\"0xA9B40031\",\"pos\":[155.5,24,94]}\n");
+    sandbox.write("far.jsonl", "{\"cell\":\"0xA9B40031\",\"pos\":[1e40,24,94]}\n");
+    std::fs::create_dir_all(sandbox.join("empty/worlds")).unwrap();
+    for (args, code, wanted) in [
+        (&["replay", "words.txt"][..], 1, "replay reads JSON lines"),
+        (&["replay", "one.jsonl"], 1, "nothing to hold against the world"),
+        (&["replay", "far.jsonl"], 1, "line 1: the position"),
+        (&["walk", "--from", place], 2, "--script"),
+        (
+            &["walk", "--from", place, "--to", "0x01070100 [60 -80 -20]"],
+            1,
+            "no way on foot leads from",
+        ),
+        (
+            &["conform", "empty"],
+            1,
+            "conform takes a folder of *.jsonl files",
+        ),
+        (
+            &["bench", "sweep", "--vectors", "empty", "--world", "x"],
+            1,
+            "there is no world x in empty",
+        ),
+        (
+            &["bench", "view", "--vectors", "empty", "--world", "x"],
+            1,
+            "there is no world x in empty",
+        ),
+        (
+            &["bench", "all", "--vectors", "empty"],
+            1,
+            "there is no world cottage-1 in empty",
+        ),
+        (&["build"], 2, "--out"),
+        (
+            &["build", "--synthetic", "huge", "--out", "x"],
+            2,
+            "retail, small",
+        ),
+        (
+            &["build", "--synthetic", "small", "--out", "words.txt"],
+            1,
+            "--out takes a folder",
+        ),
+        (
+            &["build", "room.scene", "--seed", "3", "--out", "x"],
+            2,
+            "--synthetic",
+        ),
+    ] {
+        sandbox.run(args).fails(code).says(&[wanted]);
+    }
+    // The target's cell is the one that holds it, and that is said.
+    let args = [
+        "walk",
+        "--from",
+        place,
+        "--to",
+        "0xA9B40101 [155.5 20 94.1]",
+        "-o",
+        "trail.jsonl",
+    ];
+    let ran = sandbox.run(&args);
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    ran.says(&["note: 0xA9B40101 does not hold the target; the walk ended in 0xA9B40031"]);
 }

@@ -2,93 +2,7 @@
 
 mod support;
 
-use std::collections::BTreeSet;
-
 use support::Sandbox;
-
-#[test]
-fn tour_walks_everything_and_never_changes_cell_while_standing() {
-    let sandbox = Sandbox::new();
-    let ran = sandbox.run(&["tour"]).ok().shows(&[
-        "A tour of the embedded world",
-        "land cell border",
-        "portal 0",
-        "changes while standing: 0",
-        "written tour/trail.jsonl",
-        "written tour/map.svg",
-    ]);
-    let changes = ran
-        .out
-        .lines()
-        .filter(|line| line.contains(" to ") && line.contains("0xA9B4"))
-        .count();
-    assert!(changes > 60, "{}", ran.out);
-    let mut cells = BTreeSet::new();
-    let mut standing = 0;
-    let mut last_time = -1.0;
-    for line in sandbox.read("tour/trail.jsonl").lines() {
-        let step: serde_json::Value = serde_json::from_str(line).unwrap();
-        let t = step["t"].as_f64().unwrap();
-        assert!(t > last_time);
-        last_time = t;
-        let cell = step["cell"].as_str().unwrap();
-        assert!(cell.starts_with("0x") && cell.len() == 10, "{cell}");
-        assert_eq!(step["pos"].as_array().unwrap().len(), 3);
-        cells.insert(cell.to_owned());
-        standing += usize::from(step["standing"] == true);
-    }
-    // Vestibule, hall, loft, passage, cellar, barn, shop, tower and mine.
-    let indoor = cells.iter().filter(|cell| cell.as_bytes()[7] != b'0').count();
-    assert!(indoor >= 30, "{cells:?}");
-    assert!(standing >= 100 * 30, "{standing}");
-    assert!(
-        sandbox.read("tour/map.svg").contains("class=\"tr\""),
-        "the trail is on the map"
-    );
-}
-
-#[test]
-fn tour_in_json_sums_up_what_it_prints() {
-    let sandbox = Sandbox::new();
-    let json = sandbox.run(&["tour", "--json", "--out", "t"]).ok().json();
-    let summary = &json["summary"];
-    assert_eq!(summary["changes_while_standing"], 0);
-    assert_eq!(summary["look_ups_that_differ"], 0);
-    let changes = json["changes"].as_array().unwrap();
-    let teleports = changes.iter().filter(|change| change["by"] == "teleport").count();
-    assert_eq!(
-        summary["transitions"].as_u64().unwrap() as usize,
-        changes.len() - teleports
-    );
-    assert!(
-        changes.iter().all(|c| c["by"] != "no portal between them"),
-        "{changes:#?}"
-    );
-    assert!(sandbox.join("t/trail.jsonl").is_file());
-}
-
-#[test]
-fn tour_starts_where_it_is_told() {
-    let sandbox = Sandbox::new();
-    let json = sandbox
-        .run(&[
-            "tour",
-            "--json",
-            "--start",
-            "0xA9B40101 [155.4 14.2 94.005]",
-            "--stand",
-            "3",
-        ])
-        .ok()
-        .json();
-    assert!(
-        json["summary"]["start"]
-            .as_str()
-            .unwrap()
-            .starts_with("0xA9B40101 [155.40 14.20")
-    );
-    assert_eq!(json["summary"]["changes_while_standing"], 0);
-}
 
 #[test]
 fn where_names_the_cell_its_neighbours_and_the_ground() {
@@ -206,7 +120,7 @@ fn refs_finds_users_and_what_is_used() {
 #[test]
 fn map_draws_land_levels_and_trail() {
     let sandbox = Sandbox::new();
-    sandbox.run(&["tour", "--out", "t"]).ok();
+    sandbox.run(&["tour", "--out", "t", "--no-pictures"]).ok();
     sandbox
         .run(&["map", "A9B4", "--trail", "t/trail.jsonl", "-o", "m.svg"])
         .ok()
@@ -437,4 +351,57 @@ fn no_colours_where_there_is_no_terminal() {
     ] {
         assert!(!sandbox.run(args).ok().out.contains('\u{1b}'), "{args:?}");
     }
+}
+
+#[test]
+fn a_synthetic_world_is_summed_up_and_the_same_every_time() {
+    let sandbox = Sandbox::new();
+    let build = |seed: &str, out: &str| {
+        let args = [
+            "build",
+            "--synthetic",
+            "small",
+            "--seed",
+            seed,
+            "--out",
+            out,
+            "--json",
+        ];
+        sandbox.run(&args).ok().json()
+    };
+    let (a, _, other) = (build("7", "a"), build("7", "b"), build("8", "c"));
+    assert_eq!(a["landblocks"], 144);
+    assert_eq!(a["env_cells"], 3000);
+    assert_eq!(a["buildings"], 40);
+    let cell = |folder: &str| std::fs::read(sandbox.join(folder).join("client_cell_1.dat")).unwrap();
+    assert_eq!(a["files"][0]["bytes"], cell("a").len());
+    assert_eq!(cell("a"), cell("b"));
+    assert_ne!(cell("a"), cell("c"));
+    assert_eq!(other["records"], a["records"], "{other}");
+    // Nothing is left of the folder it was built in, and the world can be used.
+    let names: Vec<_> = std::fs::read_dir(sandbox.path())
+        .unwrap()
+        .map(|e| e.unwrap().file_name())
+        .collect();
+    assert_eq!(names.len(), 3, "{names:?}");
+    sandbox.run(&["dat", "verify", "a"]).ok();
+    sandbox
+        .run(&["build", "--synthetic", "small", "--seed", "7", "--out", "a"])
+        .ok()
+        .shows(&["env cells", "3,000", "client_cell_1.dat", "written to a"]);
+}
+
+#[test]
+fn bench_render_times_pictures() {
+    let sandbox = Sandbox::new();
+    let json = sandbox
+        .run(&["bench", "render", "--size", "40x30", "--eyes", "3", "--json"])
+        .ok()
+        .json();
+    let groups = json["groups"].as_array().unwrap();
+    assert_eq!(groups.len(), 2);
+    assert!(
+        groups.iter().all(|g| g["median_ms"].as_f64().unwrap() > 0.0),
+        "{json}"
+    );
 }

@@ -62,7 +62,7 @@ fn every_subcommand_has_examples_and_they_run() {
         "| # | seed | x | y | z | picked |\n| 1 | 0031 | 155.3717 | 16.0283 | 94.0050 | 0100 |\n",
     );
     sandbox.write("room.scene", include_str!("room.scene"));
-    sandbox.run(&["tour", "--stand", "1"]).ok();
+    sandbox.run(&["tour", "--stand", "1", "--no-pictures"]).ok();
     let mut ran = BTreeSet::new();
     for words in subcommands(&sandbox) {
         let mut args: Vec<&str> = words.iter().map(String::as_str).collect();
@@ -83,7 +83,22 @@ fn every_subcommand_has_examples_and_they_run() {
             // Long ones are cut short: it is the arguments that matter here.
             let line = example
                 .replace("-n 1000000", "-n 1000")
-                .replace("--eyes 10000", "--eyes 50");
+                .replace("--eyes 10000", "--eyes 50")
+                .replace("tour --film", "tour --stand 1 --film-size 16x12 --film")
+                .replace("vestibule tour", "vestibule tour --no-pictures")
+                .replace("bench render", "bench render --eyes 3 --size 64x48")
+                .replace(
+                    "render --eyes 3 --size 64x48 --size 320x240 --eyes 20",
+                    "render --size 32x24 --eyes 2",
+                )
+                .replace(
+                    "bench all --quick --vectors vectors",
+                    "bench sweep --vectors vectors --world maze-424",
+                );
+            if line.ends_with("bench all --quick") {
+                // As with --json.
+                continue;
+            }
             let result = sandbox.shell(&line);
             assert_eq!(result.code, Some(0), "{example}\n{}\n{}", result.out, result.err);
         }

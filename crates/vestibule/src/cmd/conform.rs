@@ -33,12 +33,14 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
-    let mut cases = conform::read_folder(&args.dir).map_err(|e| {
-        hinted(
-            e,
-            "conform takes a folder of *.jsonl files with a folder worlds/ beside them",
-        )
-    })?;
+    let hint = "conform takes a folder of *.jsonl files with a folder worlds/ beside them";
+    let mut cases = conform::read_folder(&args.dir).map_err(|e| hinted(e, hint))?;
+    if cases.is_empty() {
+        return Err(hinted(
+            anyhow::anyhow!("there are no cases in {}", args.dir.display()),
+            hint,
+        ));
+    }
     for op in &args.op {
         if !cases.iter().any(|case| case.op == *op) && !conform::supported_ops().any(|known| known == op) {
             let known: Vec<_> = conform::supported_ops().collect();
@@ -48,14 +50,20 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     }
     for world in &args.world {
         if !cases.iter().any(|case| case.world == *world) {
-            return Err(Usage(format!("no case is about a world '{world}'")).into());
+            let known: std::collections::BTreeSet<&str> =
+                cases.iter().map(|case| case.world.as_str()).collect();
+            let known = known.into_iter().collect::<Vec<_>>().join(", ");
+            return Err(Usage(format!("no case is about a world '{world}'; there are {known}")).into());
         }
     }
     cases.retain(|case| {
         (args.op.is_empty() || args.op.contains(&case.op))
             && (args.world.is_empty() || args.world.contains(&case.world))
     });
-    anyhow::ensure!(!cases.is_empty(), "no cases to run in {}", args.dir.display());
+    anyhow::ensure!(
+        !cases.is_empty(),
+        "no case has both that operation and that world"
+    );
     let mut progress = Progress::new("cases", cases.len() as u64);
     let report = conform::run(&args.dir, &cases, &mut |done| progress.set(done)).context("conform")?;
     drop(progress);

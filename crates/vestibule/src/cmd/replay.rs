@@ -13,7 +13,8 @@ use crate::ui::{Align, Context, Failed, Progress, Table, hinted, style};
 /// Hold a recorded trail, or a log of cell look-ups, against a world
 ///
 /// FILE is a trail as tour and walk write it, or a log of look-ups with the columns number, seed, x, y, z, picked.
-/// Each row is looked up afresh from its seed (a trail's seed is the cell of the row before).
+/// Each row is looked up afresh from its seed (a trail's seed is the cell of the row before), and a trail's rows are
+/// walked too: a row agrees if either gives its cell. Rows after a teleport are left out.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -33,18 +34,29 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let text = std::fs::read_to_string(&args.file)
         .with_context(|| format!("cannot read {}", args.file.display()))?;
+    let hint = "replay reads JSON lines with cell and pos, or rows of number, seed, x, y, z, picked cell";
     let rows = read(&text, args.block.0).map_err(|e| {
         let error = anyhow::Error::from(e).context(format!("cannot understand {}", args.file.display()));
-        hinted(
-            error,
-            "replay reads JSON lines with cell and pos, or rows of number, seed, x, y, z, picked cell",
-        )
+        hinted(error, hint)
     })?;
-    anyhow::ensure!(!rows.is_empty(), "there are no rows in {}", args.file.display());
+    if rows.is_empty() {
+        return Err(hinted(
+            anyhow::anyhow!("there are no rows in {}", args.file.display()),
+            hint,
+        ));
+    }
     let world = context.world()?;
     let progress = Progress::new("rows", rows.len() as u64);
     let report = replay(&world, &rows);
     drop(progress);
+    if report.rows == 0 {
+        let text = format!(
+            "there is nothing to hold against the world in {}",
+            args.file.display()
+        );
+        let hint = "a trail's first row, and rows after a teleport, have no cell to start from";
+        return Err(hinted(anyhow::anyhow!(text), hint));
+    }
     let good = report.differences.is_empty();
     if context.json {
         context.print_json(&report)?;

@@ -3,32 +3,49 @@
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
+use std::sync::Mutex;
+use std::time::Instant;
 
 use anyhow::Context as _;
 use serde_json::json;
+use vestibule::film;
 use vestibule::map_svg::{TrailPoint, plan};
-use vestibule::tour::{Change, Tour, TourOptions, TourSummary, TrailStep};
+use vestibule::render::write_apng;
+use vestibule::studio::Studio;
+use vestibule::tour::{
+    Change, Guide, Membership, MembershipCount, Seen, Tour, TourOptions, TourRecord, TourSummary, TrailStep,
+    Trial, write_trail,
+};
 use vestibule::world::{BlockId, World};
 
 use super::place::{Place, parse_place};
-use crate::ui::{Context, Failed, Progress, count, hinted, style};
+use super::render::parse_size;
+use crate::ui::{Align, Context, Failed, Progress, Table, count, hinted, style};
 
 /// Walk through every cell that can be reached on foot, and print each change of cell
 ///
 /// The route is planned from the world itself, so it works on any DAT files: from a meadow to the nearest entrance,
 /// through every opening behind it and back, then to the next entrance; in a dungeon, from its first cell through all
 /// others. Steps are 5 cm. The player's cell is what the sweep carries it into and is never derived from where it
-/// rests; in every doorway the player stands still for 100 ticks to show that it does not change.
+/// rests; in every doorway the player stands still for 100 ticks to show that it does not change. Then it runs into
+/// everything: walls, stairs, ramps, an edge, a pit, a door that is shut and then open, a ridge too steep to walk, and is
+/// teleported to a dungeon. What deriving the cell from the resting position would have said is counted beside it.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   vestibule tour
   vestibule tour --dat ~/ac --start 42.1N,33.6E
   vestibule tour --start \"0xA9B40101 [155.4 14.2 94.005]\" --out indoors
+  vestibule tour --membership static --out derived
+  vestibule tour --film tour.png
   vestibule tour --json
 
-Writes trail.jsonl (one object a step: t, cell, pos) and map.svg to the folder of --out.
-Exit code 1 if the cell changed while standing.")]
+Writes to the folder of --out:
+  trail.jsonl    one object a tick: t, cell, pos; of the camera viewer (its cell) and eye, and rooms (the draw list)
+                 whenever it is another
+  map.svg        the way from above; map-XXXX.svg for further landblocks
+  filmstrip.png  every threshold: before, as the player crosses, as the camera has followed
+Exit code 1 if the cell changed while standing, or a trial did not go as expected.")]
 pub(crate) struct Args {
     /// Where to start: a position or map coordinates [default: before the first entrance found]
     #[arg(long, value_name = "POS", value_parser = parse_place)]
@@ -42,12 +59,39 @@ pub(crate) struct Args {
     /// Stop after this many steps
     #[arg(long, value_name = "N", default_value_t = 3_000_000)]
     max_steps: usize,
-    /// Folder for trail.jsonl and map.svg
+    /// How the cell is told: by the sweep as in retail, or derived from the resting position as other clients did
+    #[arg(long, value_enum, default_value_t = MembershipArg::Sweep)]
+    membership: MembershipArg,
+    /// Do not run into things after the walk
+    #[arg(long)]
+    no_trials: bool,
+    /// Do not look through the chase camera, which takes half of the time
+    #[arg(long)]
+    no_look: bool,
+    /// Do not draw filmstrip.png
+    #[arg(long)]
+    no_pictures: bool,
+    /// Write a film of the tour, an animated PNG that browsers show
+    #[arg(long, value_name = "FILE.png", conflicts_with = "no_look")]
+    film: Option<PathBuf>,
+    /// Size of the film, pixels
+    #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "200x150", requires = "film")]
+    film_size: (u32, u32),
+    /// Folder for the trail, maps and pictures
     #[arg(short, long, value_name = "DIR", default_value = "tour")]
     out: PathBuf,
 }
 
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum MembershipArg {
+    /// The cell that the last accepted sweep ended in
+    Sweep,
+    /// The first cell that holds the foot point
+    Static,
+}
+
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
+    let begun = Instant::now();
     let dats = context.dats()?;
     let world = World::open(dats.clone())?;
     let start = args.start.map(|place| place.position(&world)).transpose()?;
@@ -56,6 +100,12 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         radius: args.radius,
         stand_ticks: args.stand,
         max_steps: args.max_steps,
+        membership: match args.membership {
+            MembershipArg::Sweep => Membership::Sweep,
+            MembershipArg::Static => Membership::Static,
+        },
+        trials: !args.no_trials,
+        look: !args.no_look,
     };
     let mut changes: Vec<Change> = Vec::new();
     let mut broken: Option<std::io::Error> = None;
@@ -87,25 +137,35 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     if let Some(error) = broken {
         return Err(error.into());
     }
-    let (trail, summary) =
+    let record =
         result.map_err(|e| hinted(e, "--start takes a position as `vestibule where` explains them"))?;
     std::fs::create_dir_all(&args.out).with_context(|| format!("cannot create {}", args.out.display()))?;
     let trail_path = args.out.join("trail.jsonl");
-    write_trail(&trail, &trail_path)?;
+    write_trail_file(&record, &trail_path)?;
+    let (trail, summary) = (&record.trail, &record.summary);
     let mut written = vec![trail_path];
-    written.extend(write_maps(&world, &trail, &args.out)?);
+    written.extend(write_maps(&world, trail, &args.out)?);
+    written.extend(write_pictures(&world, &Guide::of(&dats), &record, args)?);
     if json {
         context.print_json(&json!({ "changes": changes, "summary": summary, "written": written }))?;
     } else {
-        print_summary(&summary, context)?;
+        print_summary(summary, context)?;
         for path in &written {
             writeln!(context.out, "written {}", path.display())?;
         }
+        writeln!(
+            context.out,
+            "{}in {:.1} s{:#}",
+            style::DIM,
+            begun.elapsed().as_secs_f64(),
+            style::DIM
+        )?;
         for problem in world.problems() {
             anstream::eprintln!("{}warning{:#}: {problem}", style::WARN, style::WARN);
         }
     }
-    if summary.changes_while_standing > 0 {
+    let failed = summary.trials.iter().any(|trial| trial.passed == Some(false));
+    if summary.changes_while_standing > 0 || failed {
         Err(Failed.into())
     } else {
         Ok(())
@@ -150,6 +210,8 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
         count(summary.doorways, "doorway"),
         summary.changes_while_standing
     )?;
+    print_membership(summary, context)?;
+    let out = &mut context.out;
     writeln!(
         out,
         "{head}walked{head:#}       {:.1} m in {:.1} s, {}",
@@ -160,7 +222,7 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
     if summary.falls > 0 || summary.teleports > 0 {
         writeln!(
             out,
-            "{head}falls{head:#}        {}, put back {} where there was no way back on foot",
+            "{head}falls{head:#}        {}; put somewhere {}, for trials or where there was no way back",
             summary.falls,
             count(summary.teleports, "time")
         )?;
@@ -198,9 +260,129 @@ fn print_summary(summary: &TourSummary, context: &mut Context) -> anyhow::Result
         let more = if summary.not_entered.len() > 8 { " ..." } else { "" };
         writeln!(out, "{head}not entered{head:#}  {}{more}", shown.join(" "))?;
     }
+    if let Some(seen) = &summary.seen {
+        print_seen(seen, out)?;
+    }
     if let Some(why) = &summary.ended_early {
         writeln!(out, "{}ended early{:#}  {why}", style::WARN, style::WARN)?;
     }
+    print_trials(&summary.trials, out)
+}
+
+/// Both ways of telling the cell, side by side.
+fn print_membership(summary: &TourSummary, context: &mut Context) -> anyhow::Result<()> {
+    let out = &mut context.out;
+    let (sweep, derived) = (&summary.by_sweep, &summary.by_position);
+    let mut table = Table::new(&[
+        ("membership", Align::Left),
+        ("by sweep", Align::Right),
+        ("static", Align::Right),
+    ]);
+    let ticks = |n: &MembershipCount| format!("{} of {}", n.ticks_off, summary.steps);
+    for (what, a, b) in [
+        (
+            "  changes of cell",
+            sweep.changes.to_string(),
+            derived.changes.to_string(),
+        ),
+        (
+            "  flickers",
+            sweep.flickers.to_string(),
+            derived.flickers.to_string(),
+        ),
+        (
+            "  changes through walls or floors",
+            sweep.through_walls.to_string(),
+            derived.through_walls.to_string(),
+        ),
+        (
+            "  ticks in another cell than the sweep's",
+            ticks(sweep),
+            ticks(derived),
+        ),
+    ] {
+        table.row([what.to_owned(), a, b]);
+    }
+    table.write(out)?;
+    let dim = style::DIM;
+    for d in summary.disagreements.iter().take(5) {
+        let [x, y, z] = d.first_at;
+        writeln!(
+            out,
+            "    {dim}{:>4} ticks in {} were {} to static, first at [{x:.2} {y:.2} {z:.2}]{dim:#}",
+            d.ticks, d.cell, d.derived
+        )?;
+    }
+    if summary.disagreements.len() > 5 {
+        writeln!(
+            out,
+            "    {dim}... and {} more pairs (--json lists them){dim:#}",
+            summary.disagreements.len() - 5
+        )?;
+    }
+    Ok(())
+}
+
+fn print_seen(seen: &Seen, out: &mut impl Write) -> anyhow::Result<()> {
+    let head = style::HEAD;
+    writeln!(
+        out,
+        "{head}seen{head:#}         {} to {} rooms a tick, {} in the median, {} draw lists; the landscape in {} of {} ticks",
+        seen.rooms_min, seen.rooms_max, seen.rooms_median, seen.lists, seen.with_outside, seen.ticks
+    )?;
+    writeln!(
+        out,
+        "{head}camera{head:#}       in another cell than the player for {} ticks, on the other side of a wall to outdoors \
+         for {}, in none for {}",
+        seen.viewer_elsewhere, seen.viewer_on_other_side, seen.viewer_lost
+    )?;
+    if seen.landscape_in_sealed > 0 {
+        let bad = style::BAD;
+        writeln!(
+            out,
+            "{bad}landscape drawn in sealed rooms: {} ticks{bad:#}",
+            seen.landscape_in_sealed
+        )?;
+    }
+    Ok(())
+}
+
+fn print_trials(trials: &[Trial], out: &mut impl Write) -> anyhow::Result<()> {
+    if trials.is_empty() {
+        return Ok(());
+    }
+    writeln!(out)?;
+    let mut table = Table::new(&[
+        ("", Align::Left),
+        ("trial", Align::Left),
+        ("expected", Align::Left),
+        ("outcome", Align::Left),
+        ("cell", Align::Left),
+    ]);
+    for trial in trials {
+        let mark = match trial.passed {
+            Some(true) => "ok",
+            Some(false) => "NO",
+            None => "-",
+        };
+        let cell = if trial.passed.is_none() {
+            String::new()
+        } else {
+            trial.cell.clone()
+        };
+        table.row([
+            mark.to_owned(),
+            trial.trial.clone(),
+            trial.expected.clone(),
+            trial.outcome.clone(),
+            cell,
+        ]);
+    }
+    table.write(out)?;
+    let tried = trials.iter().filter(|trial| trial.passed.is_some()).count();
+    let good = trials.iter().filter(|trial| trial.passed == Some(true)).count();
+    let style = if good == tried { style::GOOD } else { style::BAD };
+    writeln!(out, "{style}trials: {good} of {tried} as expected{style:#}\n")?;
     Ok(())
 }
 
@@ -238,13 +420,51 @@ fn write_maps(world: &World, trail: &[TrailStep], folder: &std::path::Path) -> a
     Ok(written)
 }
 
-fn write_trail(trail: &[TrailStep], path: &std::path::Path) -> anyhow::Result<()> {
+/// The filmstrip, and the film if one is wanted.
+fn write_pictures(
+    world: &World,
+    guide: &Option<Guide>,
+    record: &TourRecord,
+    args: &Args,
+) -> anyhow::Result<Vec<PathBuf>> {
+    let mut written = Vec::new();
+    if record.eyes.is_empty() {
+        return Ok(written);
+    }
+    let studio = Studio::new(world);
+    let shown = film::thresholds(record).len().min(film::MAX_THRESHOLDS);
+    if !args.no_pictures && shown > 0 {
+        let progress = Mutex::new(Progress::new("pictures", shown as u64 * 3));
+        let strip = film::strip(&studio, record, guide.as_ref(), &|done| advance(&progress, done))?;
+        let path = args.out.join("filmstrip.png");
+        super::render::write(&strip, &path)?;
+        written.push(path);
+    }
+    if let Some(path) = &args.film {
+        let count = film::film_ticks(record).len() as u64;
+        let progress = Mutex::new(Progress::new("pictures of the film", count));
+        let images = film::film(&studio, record, guide.as_ref(), args.film_size, &|done| {
+            advance(&progress, done)
+        })?;
+        drop(progress);
+        let mut bytes = Vec::new();
+        write_apng(&images, film::FILM_DELAY_MS, &mut bytes)?;
+        super::write_whole(path, &bytes).with_context(|| format!("cannot write {}", path.display()))?;
+        written.push(path.clone());
+    }
+    Ok(written)
+}
+
+fn advance(progress: &Mutex<Progress>, done: usize) {
+    if let Ok(mut progress) = progress.lock() {
+        progress.set(done as u64);
+    }
+}
+
+fn write_trail_file(record: &TourRecord, path: &std::path::Path) -> anyhow::Result<()> {
     let write = || -> std::io::Result<()> {
         let mut file = BufWriter::new(File::create(path)?);
-        for step in trail {
-            serde_json::to_writer(&mut file, step)?;
-            writeln!(file)?;
-        }
+        write_trail(record, &mut file)?;
         file.flush()
     };
     write().with_context(|| format!("cannot write {}", path.display()))

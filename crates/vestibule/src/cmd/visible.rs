@@ -38,7 +38,7 @@ pub(crate) struct Args {
     output: Option<PathBuf>,
 }
 
-fn parse_direction(text: &str) -> Result<Vec3, String> {
+pub(crate) fn parse_direction(text: &str) -> Result<Vec3, String> {
     let numbers: Result<Vec<f32>, _> = text.split(',').map(|part| part.trim().parse::<f32>()).collect();
     match numbers.as_deref() {
         Ok(&[x, y, z]) if x.is_finite() && y.is_finite() && z.is_finite() && (x, y, z) != (0.0, 0.0, 0.0) => {

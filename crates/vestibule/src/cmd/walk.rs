@@ -18,6 +18,7 @@ use crate::ui::{Context, hinted, style};
 /// gravity, thirty ticks a second. Commands of scripts, one a line: walk, run, back, left, right METRES; turn DEGREES
 /// to the right; jump STRENGTH; wait SECONDS; # begins a remark.
 #[derive(clap::Args)]
+#[command(group = clap::ArgGroup::new("way").args(["to", "script"]).required(true))]
 #[command(after_help = "\
 Examples:
   vestibule walk --from \"0xA9B40031 [155.5 24 94.1]\" --to \"0xA9B40101 [155.4 14.2 94.1]\"
@@ -30,10 +31,10 @@ pub(crate) struct Args {
     #[arg(long, value_name = "POS", value_parser = parse_place)]
     from: Place,
     /// Where to go
-    #[arg(long, value_name = "POS", value_parser = parse_place, required_unless_present = "script")]
+    #[arg(long, value_name = "POS", value_parser = parse_place)]
     to: Option<Place>,
     /// Script to follow; - for standard input
-    #[arg(long, value_name = "FILE", conflicts_with = "to")]
+    #[arg(long, value_name = "FILE")]
     script: Option<PathBuf>,
     /// File for the trail [default: standard output]
     #[arg(short, long, value_name = "FILE")]
@@ -65,6 +66,15 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         }
         (None, None) => Vec::new(),
     };
+    if let (Some(to), Some(end)) = (&args.to, trail.last())
+        && let Place::Position(asked) = to
+        && asked.cell != end.cell
+    {
+        let (note, from, to) = (style::WARN, asked.cell, end.cell);
+        anstream::eprintln!(
+            "{note}note{note:#}: {from} does not hold the target; the walk ended in {to}, which does"
+        );
+    }
     let changes = trail
         .windows(2)
         .filter(|pair| pair[0].cell != pair[1].cell)

@@ -7,7 +7,7 @@ use std::time::Instant;
 use anyhow::Context as _;
 use serde_json::json;
 use vestibule::conform::BodyInput;
-use vestibule::physics::workload::{Workload, WorkloadBody};
+use vestibule::physics::workload::{Workload, WorkloadBody, WorkloadTotals};
 use vestibule::world::World;
 
 use crate::ui::{Context, open_dats, style};
@@ -34,13 +34,8 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
-    let world = World::open(open_dats(Some(&args.vectors.join("worlds").join(&args.world)))?)?;
-    let bodies = read_bodies(&args.vectors.join("bench").join(format!("{}.jsonl", args.world)))?;
-    let mut workload = Workload::new(&world, bodies);
-    let started = Instant::now();
-    workload.run(args.n)?;
-    let seconds = started.elapsed().as_secs_f64();
-    let totals = workload.totals();
+    let measured = measure(&args.vectors, &args.world, args.n)?;
+    let Measured { totals, seconds } = &measured;
     let steps = totals.steps.max(1) as f64;
     let (per_second, nanoseconds) = (steps / seconds.max(1e-9), seconds * 1e9 / steps);
     if context.json {
@@ -58,6 +53,25 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     writeln!(out, "share collided     {:.4}", totals.collided_share())?;
     writeln!(out, "share changed cell {:.4}", totals.changed_cell_share())?;
     Ok(())
+}
+
+/// What sweeps took.
+pub(super) struct Measured {
+    pub(super) totals: WorkloadTotals,
+    pub(super) seconds: f64,
+}
+
+/// Times `n` sweeps of the workload on a world of the vectors.
+pub(super) fn measure(vectors: &Path, name: &str, n: u64) -> anyhow::Result<Measured> {
+    let world = World::open(open_dats(Some(&super::vectors_world(vectors, name)?))?)?;
+    let bodies = read_bodies(&vectors.join("bench").join(format!("{name}.jsonl")))?;
+    let mut workload = Workload::new(&world, bodies);
+    let started = Instant::now();
+    workload.run(n)?;
+    Ok(Measured {
+        totals: workload.totals(),
+        seconds: started.elapsed().as_secs_f64(),
+    })
 }
 
 fn read_bodies(path: &Path) -> anyhow::Result<Vec<WorkloadBody>> {

@@ -1,0 +1,165 @@
+//! Doors to open and close. Worlds come with their doors standing open, as static objects; closing one puts a body in
+//! its opening and hides the static one.
+
+use glam::{Quat, Vec3};
+use vestibule_physics::{Body, BodyId, Population, Scratch};
+use vestibule_world::{Frame, Position, StaticObject, StaticRef, World};
+
+/// Farthest door that can be reached, metres.
+const REACH: f32 = 3.0;
+
+/// The doors that were closed.
+#[derive(Debug, Default)]
+pub struct Doors {
+    closed: Vec<(StaticRef, BodyId)>,
+}
+
+/// What became of a door.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DoorOutcome {
+    /// It is closed now.
+    Closed,
+    /// It is open now.
+    Opened,
+    /// Something stands in the way.
+    Blocked,
+    /// There is none within reach.
+    None,
+}
+
+impl Doors {
+    /// Whether the static object of a door is hidden, because its body stands in the opening.
+    pub fn hides(&self, id: StaticRef) -> bool {
+        self.closed.iter().any(|(r, _)| *r == id)
+    }
+
+    /// Opens or closes the nearest door within reach of a position.
+    pub fn toggle(
+        &mut self,
+        world: &World,
+        population: &mut Population,
+        scratch: &mut Scratch,
+        at: &Position,
+    ) -> DoorOutcome {
+        let Some((id, object, frame)) = nearest(world, at) else {
+            return DoorOutcome::None;
+        };
+        if let Some(k) = self.closed.iter().position(|(r, _)| *r == id) {
+            let (_, body) = self.closed.remove(k);
+            population.set_ethereal(world, scratch, body, true);
+            population.leave_world(body);
+            population.remove(body);
+            return DoorOutcome::Opened;
+        }
+        let Ok(body) = Body::new(object.shape.clone(), 1.0) else {
+            return DoorOutcome::None;
+        };
+        let body = population.add(body);
+        let position = Position {
+            cell: object.cell,
+            frame,
+        };
+        // Ethereal until it is seen that nobody stands in it (`transition.md` 9.3.1).
+        population.set_ethereal(world, scratch, body, true);
+        let placed = population.force_into_cell(world, scratch, body, &position);
+        if placed && population.set_ethereal(world, scratch, body, false) {
+            self.closed.push((id, body));
+            return DoorOutcome::Closed;
+        }
+        population.leave_world(body);
+        population.remove(body);
+        DoorOutcome::Blocked
+    }
+}
+
+/// The nearest door, and where it is when closed.
+fn nearest<'w>(world: &'w World, at: &Position) -> Option<(StaticRef, &'w StaticObject, Frame)> {
+    let block = world.block(at.cell.block())?;
+    let mut best: Option<(f32, StaticRef, &StaticObject, Frame)> = None;
+    for (index, object) in block.statics.iter().enumerate() {
+        let middle = object.frame.local_to_global(leaf(object).unwrap_or_default());
+        let gap = middle - at.origin();
+        let far = Vec3::new(gap.x, gap.y, gap.z * 0.5).length();
+        if far > REACH || best.as_ref().is_some_and(|b| b.0 <= far) {
+            continue;
+        }
+        let Some(frame) = closed(world, object) else {
+            continue;
+        };
+        let id = StaticRef {
+            block: block.id,
+            index: index as u32,
+        };
+        best = Some((far, id, object, frame));
+    }
+    best.map(|(_, id, object, frame)| (id, object, frame))
+}
+
+/// The middle of an object's model when it is the leaf of a door: as high as a person, as wide as a doorway, thin, and
+/// hung at one side.
+fn leaf(object: &StaticObject) -> Option<Vec3> {
+    let [part] = &*object.shape.parts else { return None };
+    let bounds = part.model.as_ref()?.bounds;
+    let size = (bounds.max - bounds.min) * part.scale;
+    let (thin, wide) = if size.x < size.y {
+        (size.x, size.y)
+    } else {
+        (size.y, size.x)
+    };
+    let middle = (bounds.min + bounds.max) * 0.5 * part.scale;
+    let hung = middle.truncate().length() > wide * 0.4;
+    let like = size.z > 1.7 && size.z < 4.0 && wide > 0.8 && wide < 2.6 && thin < 0.3;
+    (like && hung).then_some(middle)
+}
+
+/// The frame of a door turned about its hinge into the nearest opening of its cell.
+fn closed(world: &World, object: &StaticObject) -> Option<Frame> {
+    let local = leaf(object)?;
+    let cell = world.env_cell(object.cell)?;
+    let hinge = object.frame.origin;
+    let mut best: Option<(f32, Vec3)> = None;
+    for portal in &cell.portals {
+        let corners = cell.portal_vertices(portal);
+        let sum: Vec3 = corners.iter().copied().sum();
+        let middle = cell.frame.local_to_global(sum / corners.len().max(1) as f32);
+        let gap = (middle - hinge).truncate();
+        if gap.length() > 2.0 || best.is_some_and(|b| b.0 <= gap.length()) {
+            continue;
+        }
+        let normal = cell.frame.local_to_global_vec(portal.plane.normal);
+        let level = Vec3::new(normal.x, normal.y, 0.0);
+        if level.length() < 0.7 {
+            continue;
+        }
+        let level = level.normalize();
+        let toward = gap.extend(0.0);
+        let along = toward - level * level.dot(toward);
+        if along.length() > 0.1 {
+            best = Some((gap.length(), along));
+        }
+    }
+    let along = best?.1;
+    let turn = libm::atan2f(along.y, along.x) - libm::atan2f(local.y, local.x);
+    Some(Frame::new(hinge, Quat::from_rotation_z(turn)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::hollow;
+    use vestibule_world::CellId;
+
+    #[test]
+    fn the_cottage_door_closes_and_opens() {
+        let (world, _) = hollow();
+        let (mut population, mut scratch) = (Population::new(), Scratch::new());
+        let mut doors = Doors::default();
+        let at = Position::new(CellId(0xA9B4_0101), Vec3::new(155.4, 13.0, 94.0));
+        let mut toggle = |at: &Position| doors.toggle(&world, &mut population, &mut scratch, at);
+        assert_eq!(toggle(&at), DoorOutcome::Closed);
+        assert_eq!(toggle(&at), DoorOutcome::Opened);
+        let far = Position::new(CellId(0xA9B4_0001), Vec3::new(5.0, 5.0, 94.0));
+        assert_eq!(toggle(&far), DoorOutcome::None);
+        assert!(population.is_empty());
+    }
+}

@@ -1,0 +1,619 @@
+//! The state behind the window: the player, the camera, what is shown. It knows no window and no GPU.
+
+use std::sync::Arc;
+
+use glam::{Quat, Vec2, Vec3};
+use vestibule_physics::{Body, BodyId, Locomotion, Motion, ObjectRef, Placement, Population, Scratch};
+use vestibule_render::{Assets, Scene};
+use vestibule_view::{
+    Camera, CameraMode, CameraRig, ChaseCamera, Command, FrameInput, FramePath, FrameSettings, FrameView,
+    LightSet, Openings, PlayerCell, Viewer, ViewerTarget, Views, WorldObjects, retail_fov_y,
+};
+use vestibule_world::{CellId, Position, World};
+
+use crate::doors::{DoorOutcome, Doors};
+use crate::error::ExploreError;
+use crate::everything;
+use crate::fly::FlyCamera;
+use crate::keys::{Action, Held};
+use crate::overlays::{Mark, Marks, Overlay};
+use crate::picking::{Picked, pick};
+use crate::places::{self, NamedPlace};
+
+/// Seconds a message stays.
+const MESSAGE_SECONDS: f64 = 6.0;
+/// Radians a pixel of dragging turns.
+const TURN_PER_PIXEL: f32 = 0.005;
+/// Longest step of time, seconds: after a pause the world does not leap.
+const LONGEST_STEP: f32 = 0.1;
+/// The share of a day that a key changes the time by: an hour.
+const HOUR: f32 = 1.0 / 24.0;
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Show {
+    /// What the traversal reaches.
+    #[default]
+    Reached,
+    /// One cell and what is in it.
+    SingleCell,
+    /// Everything loaded around the viewer.
+    Everything,
+}
+
+/// A world being explored.
+#[derive(Debug)]
+pub struct Explorer {
+    world: Arc<World>,
+    assets: Assets,
+    openings: Openings,
+    population: Population,
+    scratch: Scratch,
+    player: BodyId,
+    rig: CameraRig,
+    frame: FrameView,
+    input: Option<FrameInput>,
+    fly: Option<FlyCamera>,
+    doors: Doors,
+    start: Position,
+    now: f64,
+    message: Option<(String, f64)>,
+    viewport: Vec2,
+    commands: Vec<Command>,
+    /// Places with names.
+    pub names: Vec<NamedPlace>,
+    /// Overlays that are on, by their position in [`Overlay::ALL`].
+    pub overlays: [bool; 5],
+    /// What is drawn.
+    pub show: Show,
+    /// The cell of [`Show::SingleCell`]; `None` takes the player's.
+    pub single: Option<CellId>,
+    /// Time of day, 0…1; 0.5 is noon.
+    pub time_of_day: f32,
+    /// What was clicked last.
+    pub picked: Option<Picked>,
+    /// The list of keys is shown.
+    pub show_help: bool,
+    /// Panels are shown.
+    pub show_panels: bool,
+    /// The map is shown.
+    pub show_map: bool,
+    /// Where to go is being typed.
+    pub typing: Option<String>,
+    /// A picture is wanted.
+    pub wants_screenshot: bool,
+    /// The program is to end.
+    pub wants_to_leave: bool,
+}
+
+impl Explorer {
+    /// A player put down at `start`, or near it.
+    ///
+    /// # Errors
+    /// When there is no place for it.
+    pub fn new(world: Arc<World>, names: Vec<NamedPlace>, start: Position) -> Result<Self, ExploreError> {
+        let mut population = Population::new();
+        let mut body = Body::player();
+        body.locomotion = Some(Locomotion::with_skills(60.0, 50.0));
+        let player = population.add(body);
+        let mut explorer = Explorer {
+            world,
+            assets: Assets::new(),
+            openings: Openings::new(),
+            population,
+            scratch: Scratch::new(),
+            player,
+            rig: CameraRig::new(ChaseCamera::default()),
+            frame: FrameView::new(FrameSettings::default()),
+            input: None,
+            fly: None,
+            doors: Doors::default(),
+            start,
+            now: 0.0,
+            message: None,
+            viewport: Vec2::new(1280.0, 720.0),
+            commands: Vec::new(),
+            names,
+            overlays: [false; 5],
+            show: Show::Reached,
+            single: None,
+            time_of_day: 0.5,
+            picked: None,
+            show_help: false,
+            show_panels: true,
+            show_map: false,
+            typing: None,
+            wants_screenshot: false,
+            wants_to_leave: false,
+        };
+        if !explorer.place(&start) {
+            let near = places::middle_of(&explorer.world, start.cell);
+            if !near.is_some_and(|p| explorer.place(&p)) {
+                return Err(ExploreError::NoStart(format!("nobody can stand at {start}")));
+            }
+        }
+        Ok(explorer)
+    }
+
+    /// The world.
+    pub fn world(&self) -> &Arc<World> {
+        &self.world
+    }
+
+    /// The player's body.
+    pub fn body(&self) -> Option<&Body> {
+        self.population.body(self.player)
+    }
+
+    /// Bodies.
+    pub fn population(&self) -> &Population {
+        &self.population
+    }
+
+    /// The cell the player's body is in.
+    pub fn player_cell(&self) -> CellId {
+        self.body()
+            .map_or(CellId::NONE, |b| b.cell().unwrap_or(b.position().cell))
+    }
+
+    /// Where the eye of the player's camera is.
+    pub fn viewer(&self) -> Option<&Viewer> {
+        self.rig.viewer()
+    }
+
+    /// The frame of the traversal.
+    pub fn frame(&self) -> &FrameView {
+        &self.frame
+    }
+
+    /// Assets of the world.
+    pub fn assets(&self) -> &Assets {
+        &self.assets
+    }
+
+    /// Whether the traversal is held.
+    pub fn is_frozen(&self) -> bool {
+        self.fly.is_some()
+    }
+
+    /// Name of a cell, if it has one.
+    pub fn name_of(&self, cell: CellId) -> Option<&str> {
+        self.names
+            .iter()
+            .find(|n| n.position.cell == cell)
+            .map(|n| n.name.as_str())
+    }
+
+    /// What is to be told.
+    pub fn message(&self) -> Option<&str> {
+        let (text, since) = self.message.as_ref()?;
+        (self.now - since < MESSAGE_SECONDS).then_some(text.as_str())
+    }
+
+    /// Tells something for a few seconds.
+    pub fn tell(&mut self, text: impl Into<String>) {
+        self.message = Some((text.into(), self.now));
+    }
+
+    /// Puts the player somewhere; whether it could be.
+    fn place(&mut self, at: &Position) -> bool {
+        let placement = Placement::at(*at);
+        let done = self
+            .population
+            .set_position(&self.world, &mut self.scratch, self.player, &placement);
+        let there = matches!(done, Ok(Ok(vestibule_physics::Placed::InCell(_))));
+        if there {
+            let mode = self.rig.camera.mode();
+            self.rig = CameraRig::new(ChaseCamera::default());
+            self.rig.camera.set_mode(mode);
+        }
+        there
+    }
+
+    /// Goes to the place a text names, or tells why not.
+    pub fn teleport(&mut self, text: &str) {
+        match places::find(&self.world, &self.names, text) {
+            Ok(position) => self.go_to(&position),
+            Err(error) => self.tell(error.to_string()),
+        }
+    }
+
+    /// Goes to a position, or tells why not.
+    pub fn go_to(&mut self, position: &Position) {
+        if self.place(position) {
+            self.fly = None;
+            let cell = self.player_cell();
+            let name = self.name_of(cell).map(|n| format!(" ({n})")).unwrap_or_default();
+            self.tell(format!("now in {cell}{name}"));
+            return;
+        }
+        let middle = places::middle_of(&self.world, position.cell);
+        if middle.is_some_and(|p| p.same_as(position) || !self.place(&p)) || middle.is_none() {
+            self.tell(format!(
+                "nobody can stand at {position}: nothing there, or it is taken"
+            ));
+        }
+    }
+
+    /// Turns by a drag of the mouse in pixels.
+    pub fn look(&mut self, delta: Vec2) {
+        if !delta.is_finite() {
+            return;
+        }
+        if let Some(fly) = &mut self.fly {
+            fly.look(delta * TURN_PER_PIXEL);
+            return;
+        }
+        self.turn_player(-delta.x * TURN_PER_PIXEL);
+        let first_person = self.rig.camera.mode() == CameraMode::FirstPerson;
+        let steps = delta.y * TURN_PER_PIXEL / 8.0f32.to_radians();
+        // In first person dragging down looks down; behind the character the camera rises instead.
+        self.rig
+            .camera
+            .raise(if first_person { -steps * 0.7 } else { steps });
+    }
+
+    fn turn_player(&mut self, radians: f32) {
+        let Some(body) = self.population.body(self.player) else {
+            return;
+        };
+        let mut to = *body.position();
+        let turned = Quat::from_rotation_z(radians) * to.frame.rotation();
+        to.frame.set_rotation(turned);
+        // A turn that is refused is no loss: the next one may do.
+        let _ = self
+            .population
+            .move_to(&self.world, &mut self.scratch, self.player, &to);
+    }
+
+    /// Zooms by steps of the wheel, closer if above zero.
+    pub fn zoom(&mut self, steps: f32) {
+        if let Some(fly) = &mut self.fly {
+            fly.faster(steps);
+            return;
+        }
+        let camera = &mut self.rig.camera;
+        if steps > 0.0 {
+            if camera.mode() == CameraMode::Chase && !camera.zoom_in(steps.min(2.0)) {
+                camera.set_mode(CameraMode::FirstPerson);
+            }
+        } else if steps < 0.0 {
+            if camera.mode() == CameraMode::FirstPerson {
+                camera.set_mode(CameraMode::Chase);
+            } else {
+                camera.zoom_out((-steps).min(2.0));
+            }
+        }
+    }
+
+    /// Does what a key asks for once.
+    pub fn act(&mut self, action: Action) {
+        match action {
+            Action::Help => self.show_help = !self.show_help,
+            Action::Panels => self.show_panels = !self.show_panels,
+            Action::Map => self.show_map = !self.show_map,
+            Action::Overlay(k) => {
+                if let (Some(on), Some(overlay)) = (self.overlays.get_mut(k), Overlay::ALL.get(k)) {
+                    *on = !*on;
+                    let text = format!("{} {}", overlay.name(), if *on { "on" } else { "off" });
+                    self.tell(text);
+                }
+            }
+            Action::Freeze => self.freeze(),
+            Action::SingleCell => {
+                self.show = if self.show == Show::SingleCell {
+                    Show::Reached
+                } else {
+                    Show::SingleCell
+                };
+                self.single = None;
+                self.tell(self.shown());
+            }
+            Action::Everything => {
+                self.show = if self.show == Show::Everything {
+                    Show::Reached
+                } else {
+                    Show::Everything
+                };
+                self.tell(self.shown());
+            }
+            Action::Door => self.door(),
+            Action::FirstPerson => {
+                let first = self.rig.camera.mode() == CameraMode::FirstPerson;
+                let mode = if first {
+                    CameraMode::Chase
+                } else {
+                    CameraMode::FirstPerson
+                };
+                self.rig.camera.set_mode(mode);
+            }
+            Action::Screenshot => self.wants_screenshot = true,
+            Action::Time(step) => {
+                let time = self.time_of_day + f32::from(step) * HOUR;
+                self.time_of_day = time - libm::floorf(time);
+                self.tell(format!("time of day {}", clock(self.time_of_day)));
+            }
+            Action::Teleport => self.typing = Some(String::new()),
+            Action::Home => {
+                let start = self.start;
+                self.go_to(&start);
+            }
+            Action::Escape => self.escape(),
+        }
+    }
+
+    fn shown(&self) -> &'static str {
+        match self.show {
+            Show::Reached => "drawing what the traversal reaches",
+            Show::SingleCell => "drawing the player's cell only",
+            Show::Everything => "drawing everything, no traversal",
+        }
+    }
+
+    fn escape(&mut self) {
+        if self.typing.take().is_some() {
+        } else if self.show_help {
+            self.show_help = false;
+        } else if self.picked.take().is_some() {
+        } else if self.fly.is_some() {
+            self.freeze();
+        } else {
+            self.wants_to_leave = true;
+        }
+    }
+
+    fn freeze(&mut self) {
+        if self.fly.take().is_some() {
+            self.tell("the traversal goes on");
+        } else if let Some(camera) = self.frame.camera() {
+            self.fly = Some(FlyCamera::from(camera));
+            self.tell("the traversal is held: fly with W A S D, Space and C; G goes on");
+        }
+    }
+
+    fn door(&mut self) {
+        let Some(at) = self.body().map(|b| *b.position()) else {
+            return;
+        };
+        let outcome = self
+            .doors
+            .toggle(&self.world, &mut self.population, &mut self.scratch, &at);
+        self.tell(match outcome {
+            DoorOutcome::Closed => "the door is closed",
+            DoorOutcome::Opened => "the door is open",
+            DoorOutcome::Blocked => "something stands in the door",
+            DoorOutcome::None => "no door within reach",
+        });
+    }
+
+    /// Moves everything on by `dt` seconds and decides the frame for a screen of `viewport` pixels. A screen without
+    /// area keeps the last frame.
+    pub fn tick(&mut self, held: &Held, dt: f32, viewport: Vec2) {
+        let dt = if dt.is_finite() {
+            dt.clamp(0.0, LONGEST_STEP)
+        } else {
+            0.0
+        };
+        self.now += f64::from(dt);
+        if viewport.x >= 1.0 && viewport.y >= 1.0 && viewport.is_finite() {
+            self.viewport = viewport;
+        }
+        if let Some(fly) = &mut self.fly {
+            fly.tick(held, dt);
+            self.prepare_commands();
+            return;
+        }
+        let axis = |plus: bool, minus: bool| f32::from(i8::from(plus) - i8::from(minus));
+        if let Some(body) = self.population.body_mut(self.player) {
+            body.set_motion(Motion {
+                forward: axis(held.forward, held.back),
+                sidestep: axis(held.right, held.left),
+                turn: axis(held.turn_right, held.turn_left),
+                run: !held.slow,
+            });
+            if held.jump && body.can_jump() {
+                body.jump(1.0, self.now);
+            }
+        }
+        let moved = self
+            .population
+            .update(&self.world, &mut self.scratch, self.player, self.now);
+        if let Err(error) = moved {
+            self.tell(format!("the player cannot move: {error}"));
+        }
+        self.see(dt);
+        self.prepare_commands();
+    }
+
+    fn fov(&self) -> f32 {
+        retail_fov_y(core::f32::consts::FRAC_PI_2, self.viewport.x / self.viewport.y)
+    }
+
+    fn see(&mut self, dt: f32) {
+        let Some(target) = ViewerTarget::of_body(&self.population, self.player) else {
+            return;
+        };
+        let viewer = self.rig.update(
+            &self.world,
+            &self.population,
+            &mut self.scratch,
+            Some(&target),
+            dt,
+        );
+        let Some(viewer) = viewer.copied() else { return };
+        let player_cell: Option<PlayerCell> = target.cell;
+        match viewer.frame_input(player_cell, self.fov(), self.viewport) {
+            Ok(input) => {
+                let first = self.rig.camera.mode() == CameraMode::FirstPerson;
+                let source = WorldObjects::new(&self.world)
+                    .with_population(&self.population)
+                    .without(first.then_some(self.player));
+                self.frame.update(&self.world, &self.openings, &source, &input);
+                self.input = Some(input);
+            }
+            Err(error) => {
+                self.frame.keep(error);
+            }
+        }
+    }
+
+    /// The camera that is drawn from.
+    pub fn camera(&self) -> Option<Camera> {
+        match &self.fly {
+            Some(fly) => fly.camera(self.fov(), self.viewport),
+            None => self.frame.camera().copied(),
+        }
+    }
+
+    fn prepare_commands(&mut self) {
+        let mut commands = core::mem::take(&mut self.commands);
+        commands.clear();
+        let frozen = self.fly.is_some();
+        match self.show {
+            Show::Everything => {
+                if let Some(camera) = self.camera() {
+                    everything::commands(
+                        &self.world,
+                        &self.population,
+                        camera.cell().block(),
+                        2,
+                        &mut commands,
+                    );
+                }
+            }
+            Show::SingleCell => {
+                let cell = self.single.unwrap_or_else(|| self.player_cell());
+                self.single_cell(cell, &mut commands);
+            }
+            Show::Reached => {
+                let eye_bound = |c: &Command| {
+                    matches!(
+                        c,
+                        Command::Punch { .. }
+                            | Command::Seal { .. }
+                            | Command::ClearDepth
+                            | Command::NextStamp
+                    )
+                };
+                let list = self.frame.commands().iter();
+                commands.extend(list.filter(|c| !(frozen && eye_bound(c))).copied());
+            }
+        }
+        let doors = &self.doors;
+        commands
+            .retain(|c| !matches!(c, Command::Object { id: ObjectRef::Static(r), .. } if doors.hides(*r)));
+        self.commands = commands;
+    }
+
+    fn single_cell(&self, cell: CellId, out: &mut Vec<Command>) {
+        let views = Views::Landscape;
+        if cell.is_indoor() {
+            out.push(Command::Light(LightSet::Indoor));
+            out.push(Command::Room { cell, views });
+        } else {
+            out.push(Command::Light(LightSet::Sun));
+            out.push(Command::Terrain(cell));
+        }
+        for &id in self.world.statics_in(cell) {
+            let id = ObjectRef::Static(id);
+            out.push(Command::Object { id, cell, views });
+        }
+        for &id in self.population.shadows_in(cell) {
+            let id = ObjectRef::Body(id);
+            out.push(Command::Object { id, cell, views });
+        }
+        out.push(Command::FlushAlpha);
+    }
+
+    /// What is drawn, in order.
+    pub fn commands(&self) -> &[Command] {
+        &self.commands
+    }
+
+    /// The frame that the commands' polygons and regions belong to, when they are drawn from its own eye.
+    pub fn regions_frame(&self) -> Option<&FrameView> {
+        (self.show == Show::Reached && self.fly.is_none()).then_some(&self.frame)
+    }
+
+    /// Whether light and fog are those of sealed rooms.
+    pub fn is_sealed(&self) -> bool {
+        self.frame.path() == FramePath::Sealed
+    }
+
+    /// What is drawn from.
+    pub fn scene(&self) -> Scene<'_> {
+        let distance = self.viewer().zip(self.body()).map_or(10.0, |(viewer, body)| {
+            let pivot = body.position().origin() + Vec3::new(0.0, 0.0, 1.5);
+            let offset = body.position().offset_to(&viewer.position);
+            (body.position().origin() + offset - pivot).length()
+        });
+        let opacity = if self.fly.is_some() || self.show == Show::Everything {
+            1.0
+        } else {
+            self.rig.camera.body_opacity(distance)
+        };
+        Scene::new(&self.world, &self.assets)
+            .with_population(&self.population)
+            .with_player(self.player, opacity)
+            .at_time(self.time_of_day)
+    }
+
+    /// Marks of the overlays that are on.
+    pub fn marks(&self) -> Vec<Mark> {
+        let Some(camera) = self.camera() else {
+            return Vec::new();
+        };
+        let mut marks = Marks::new(&camera);
+        let player = self.player_cell();
+        for (on, overlay) in self.overlays.iter().zip(Overlay::ALL) {
+            if *on {
+                marks.overlay(overlay, &self.world, &self.frame, player);
+            }
+        }
+        if self.fly.is_some() {
+            self.mark_frozen_eye(&mut marks);
+        }
+        marks.list
+    }
+
+    /// Where the held traversal looked from: its eye and the corners of its screen.
+    fn mark_frozen_eye(&self, marks: &mut Marks<'_>) {
+        let (Some(held), Some(camera)) = (self.frame.camera(), self.camera()) else {
+            return;
+        };
+        let eye = held.eye_in(camera.cell().block()) - camera.eye();
+        let size = held.viewport();
+        let corner = |x: f32, y: f32| eye + held.ray_through(Vec2::new(x, y)).normalize_or_zero() * 4.0;
+        let corners = [
+            corner(0.0, 0.0),
+            corner(size.x, 0.0),
+            corner(size.x, size.y),
+            corner(0.0, size.y),
+        ];
+        for c in corners {
+            marks.line(eye, c, [255, 255, 255, 230], 2.0);
+        }
+        marks.polygon(&corners, [255, 255, 255, 230], 2.0, [255, 255, 255, 18]);
+        marks.label(eye, "eye", [255, 255, 255]);
+    }
+
+    /// Finds out what is at a pixel.
+    pub fn pick(&mut self, pixel: Vec2) {
+        let Some(camera) = self.camera() else { return };
+        let input = match (&self.fly, self.input) {
+            (None, Some(input)) => FrameInput { camera, ..input },
+            _ => FrameInput::new(camera),
+        };
+        let doors = &self.doors;
+        let hidden =
+            |c: &Command| matches!(c, Command::Object { id: ObjectRef::Static(r), .. } if doors.hides(*r));
+        let found = pick(&self.scene(), &self.openings, &input, hidden, pixel);
+        self.picked = found;
+    }
+}
+
+/// A time of day as hours and minutes.
+pub fn clock(time: f32) -> String {
+    let minutes = (time * 24.0 * 60.0 + 0.5) as u32 % (24 * 60);
+    format!("{:02}:{:02}", minutes / 60, minutes % 60)
+}

@@ -1,0 +1,464 @@
+//! What is drawn over the picture to show what is behind it: lines and areas on the screen.
+
+use glam::{Vec2, Vec3};
+use vestibule_view::{Camera, FrameView};
+use vestibule_world::{BoundingBox, CellId, EnvCell, PortalTarget, World};
+
+use crate::portals::{self, Verdict};
+
+/// What can be shown over the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Overlay {
+    /// Boxes of the cells of the draw list.
+    Cells,
+    /// Portals of these cells, coloured by what became of them.
+    Portals,
+    /// The regions of the screen through which cells are seen.
+    Regions,
+    /// Polygons that are collided with.
+    Collision,
+    /// Cells of the stab list, and whether they are listed.
+    StabList,
+}
+
+impl Overlay {
+    /// All, in the order of their keys.
+    pub const ALL: [Overlay; 5] = [
+        Overlay::Cells,
+        Overlay::Portals,
+        Overlay::Regions,
+        Overlay::Collision,
+        Overlay::StabList,
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Overlay::Cells => "cell outlines",
+            Overlay::Portals => "portals",
+            Overlay::Regions => "clip regions",
+            Overlay::Collision => "collision polygons",
+            Overlay::StabList => "stab list",
+        }
+    }
+}
+
+/// Something drawn over the picture; pixels from the top left corner.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mark {
+    /// A line.
+    Line {
+        /// From.
+        a: Vec2,
+        /// To.
+        b: Vec2,
+        /// Red, green, blue, alpha.
+        color: [u8; 4],
+        /// Pixels.
+        width: f32,
+    },
+    /// A convex area.
+    Area {
+        /// Corners.
+        points: Vec<Vec2>,
+        /// Red, green, blue, alpha.
+        color: [u8; 4],
+    },
+    /// A few words.
+    Label {
+        /// Their middle.
+        at: Vec2,
+        /// What they say.
+        text: String,
+        /// Red, green, blue.
+        color: [u8; 3],
+    },
+}
+
+/// Lines of more than this many marks are left out: a screen can hold no more.
+const MOST_MARKS: usize = 40_000;
+
+/// Collects marks seen by a camera.
+#[derive(Debug)]
+pub struct Marks<'a> {
+    camera: &'a Camera,
+    /// What was collected.
+    pub list: Vec<Mark>,
+}
+
+impl<'a> Marks<'a> {
+    /// None yet.
+    pub fn new(camera: &'a Camera) -> Self {
+        Marks {
+            camera,
+            list: Vec::new(),
+        }
+    }
+
+    /// A line between two points relative to the eye, landscape axes; what is behind the eye is cut off.
+    pub fn line(&mut self, a: Vec3, b: Vec3, color: [u8; 4], width: f32) {
+        let near = self.camera.near();
+        let ahead = |p: Vec3| self.camera.forward().dot(p) - near;
+        let (da, db) = (ahead(a), ahead(b));
+        if da < 0.0 && db < 0.0 || self.list.len() >= MOST_MARKS {
+            return;
+        }
+        let cut = a + (b - a) * (da / (da - db));
+        let a = if da < 0.0 { cut } else { a };
+        let b = if db < 0.0 { cut } else { b };
+        if let (Some(a), Some(b)) = (self.camera.project(a), self.camera.project(b))
+            && let Some((a, b)) = on_screen(a, b, self.camera.viewport())
+        {
+            self.list.push(Mark::Line { a, b, color, width });
+        }
+    }
+
+    /// The outline of a polygon, and its area if `fill` is not clear.
+    pub fn polygon(&mut self, corners: &[Vec3], line: [u8; 4], width: f32, fill: [u8; 4]) {
+        if fill[3] > 0 {
+            let points = self.ahead(corners);
+            if points.len() >= 3 {
+                self.list.push(Mark::Area { points, color: fill });
+            }
+        }
+        for (k, &a) in corners.iter().enumerate() {
+            self.line(a, corners[(k + 1) % corners.len()], line, width);
+        }
+    }
+
+    /// A few words at a point.
+    pub fn label(&mut self, at: Vec3, text: impl Into<String>, color: [u8; 3]) {
+        if self.camera.forward().dot(at) > self.camera.near()
+            && let Some(at) = self.camera.project(at)
+        {
+            let size = self.camera.viewport();
+            if at.x >= 0.0 && at.y >= 0.0 && at.x <= size.x && at.y <= size.y {
+                let text = text.into();
+                self.list.push(Mark::Label { at, text, color });
+            }
+        }
+    }
+
+    /// The corners of what lies ahead of the eye, on the screen.
+    fn ahead(&self, corners: &[Vec3]) -> Vec<Vec2> {
+        let near = self.camera.near();
+        let far = |p: Vec3| self.camera.forward().dot(p) - near;
+        let mut out = Vec::new();
+        for (k, &a) in corners.iter().enumerate() {
+            let b = corners[(k + 1) % corners.len()];
+            let (da, db) = (far(a), far(b));
+            if da >= 0.0 {
+                out.extend(self.camera.project(a));
+            }
+            if (da < 0.0) != (db < 0.0) {
+                out.extend(self.camera.project(a + (b - a) * (da / (da - db))));
+            }
+        }
+        // What lies far outside the screen would overflow a rasteriser.
+        let limit = Vec2::splat(20_000.0);
+        out.iter().map(|p| p.clamp(-limit, limit)).collect()
+    }
+
+    fn cell_box(&mut self, cell: &EnvCell, color: [u8; 4], width: f32) {
+        let Some(bounds) = cell.structure.bounds else {
+            return;
+        };
+        let eye = self.camera.eye_in(cell.id.block());
+        let at = |p: Vec3| cell.frame.local_to_global(p) - eye;
+        for (a, b) in box_edges(&bounds) {
+            self.line(at(a), at(b), color, width);
+        }
+    }
+
+    /// An overlay of a frame. `player` is the cell the player is in.
+    pub fn overlay(&mut self, overlay: Overlay, world: &World, frame: &FrameView, player: CellId) {
+        match overlay {
+            Overlay::Cells => self.cells(world, frame, player),
+            Overlay::Portals => self.portals(world, frame),
+            Overlay::Regions => self.regions(frame),
+            Overlay::Collision => self.collision(world, frame, player),
+            Overlay::StabList => self.stab_list(world, frame, player),
+        }
+    }
+
+    fn cells(&mut self, world: &World, frame: &FrameView, player: CellId) {
+        for flood in frame.floods().iter() {
+            for seen in flood.cells() {
+                let Some(cell) = world.env_cell(seen.id) else {
+                    continue;
+                };
+                let color = cell_color(seen.id);
+                let width = if seen.id == player { 3.0 } else { 1.5 };
+                self.cell_box(cell, [color[0], color[1], color[2], 230], width);
+                if let Some(b) = cell.structure.bounds {
+                    let eye = self.camera.eye_in(cell.id.block());
+                    let middle = cell.frame.local_to_global((b.min + b.max) * 0.5) - eye;
+                    self.label(middle, format!("{:04X}", seen.id.low()), color);
+                }
+            }
+        }
+        if !player.is_indoor()
+            && let Some(land) = world.land_cell(player)
+        {
+            let eye = self.camera.eye_in(player.block());
+            for polygon in &land.polygons {
+                let corners = polygon.vertices.map(|v| v + Vec3::Z * 0.05 - eye);
+                self.polygon(&corners, [255, 255, 120, 220], 2.0, [0; 4]);
+            }
+        }
+    }
+
+    fn portals(&mut self, world: &World, frame: &FrameView) {
+        // Judged from where the traversal looked, drawn from where this camera is.
+        let Some(judge) = frame.camera() else { return };
+        for flood in frame.floods().iter() {
+            for seen in flood.cells() {
+                let Some(cell) = world.env_cell(seen.id) else {
+                    continue;
+                };
+                for portal in &cell.portals {
+                    let verdict = portals::verdict(world, judge, &flood, seen, cell, portal);
+                    let corners = portals::corners(self.camera, cell, portal);
+                    let [r, g, b] = verdict.color();
+                    let passed = matches!(verdict, Verdict::Passed | Verdict::Outside);
+                    let (width, fill) = if passed { (3.0, 50) } else { (1.5, 22) };
+                    self.polygon(&corners, [r, g, b, 255], width, [r, g, b, fill]);
+                    let sum: Vec3 = corners.iter().copied().sum();
+                    let to = match portal.other {
+                        PortalTarget::Outside => "outside".to_owned(),
+                        PortalTarget::Cell(id) => format!("{:04X}", id.low()),
+                    };
+                    let text = format!("{:04X} to {to}: {}", seen.id.low(), verdict.text());
+                    self.label(sum / corners.len().max(1) as f32, text, [r, g, b]);
+                }
+            }
+        }
+        // Doors of buildings seen from outdoors.
+        for look_in in frame.look_ins().list() {
+            let block = world.loaded_block(look_in.block);
+            let building = block.and_then(|b| b.buildings.get(look_in.building as usize));
+            let (Some(building), Some(camera)) = (building, frame.camera()) else {
+                continue;
+            };
+            if core::ptr::eq(camera, self.camera) || camera.eye() == self.camera.eye() {
+                let region = frame.look_ins().punch(look_in);
+                let corners: Vec<Vec3> = region.edges().iter().map(|e| e.corner).collect();
+                self.polygon(&corners, [90, 255, 220, 255], 3.0, [90, 255, 220, 40]);
+            }
+            let _ = building;
+        }
+    }
+
+    fn regions(&mut self, frame: &FrameView) {
+        for flood in frame.floods().iter() {
+            for seen in flood.cells() {
+                let [r, g, b] = cell_color(seen.id);
+                for region in flood.regions(seen) {
+                    let corners: Vec<Vec3> = region.edges().iter().map(|e| e.corner * 2.0).collect();
+                    self.polygon(&corners, [r, g, b, 255], 2.0, [r, g, b, 30]);
+                }
+            }
+        }
+        for region in frame.landscape_views() {
+            let corners: Vec<Vec3> = region.edges().iter().map(|e| e.corner * 2.0).collect();
+            self.polygon(&corners, [80, 190, 255, 255], 2.5, [0; 4]);
+        }
+    }
+
+    fn collision(&mut self, world: &World, frame: &FrameView, player: CellId) {
+        let mut cells: Vec<CellId> = frame
+            .floods()
+            .iter()
+            .flat_map(|f| f.cells().to_vec())
+            .map(|c| c.id)
+            .collect();
+        cells.push(player);
+        cells.sort_unstable();
+        cells.dedup();
+        for &id in &cells {
+            let eye = self.camera.eye_in(id.block());
+            if let Some(cell) = world.env_cell(id)
+                && let Some(physics) = &cell.structure.physics
+            {
+                for polygon in physics.polygons().polygons() {
+                    let corners: Vec<Vec3> = physics
+                        .polygons()
+                        .vertices(polygon)
+                        .iter()
+                        .map(|v| cell.frame.local_to_global(*v) - eye)
+                        .collect();
+                    self.polygon(&corners, [255, 90, 90, 190], 1.0, [0; 4]);
+                }
+            }
+            for &r in world.statics_in(id) {
+                let Some(object) = world.static_object(r) else {
+                    continue;
+                };
+                let eye = self.camera.eye_in(object.cell.block());
+                for (part, frame) in object.shape.parts.iter().zip(&object.part_frames) {
+                    let Some(physics) = part.model.as_ref().and_then(|m| m.physics.as_ref()) else {
+                        continue;
+                    };
+                    for polygon in physics.polygons().polygons() {
+                        let corners: Vec<Vec3> = physics
+                            .polygons()
+                            .vertices(polygon)
+                            .iter()
+                            .map(|v| frame.local_to_global(*v * part.scale) - eye)
+                            .collect();
+                        self.polygon(&corners, [255, 190, 70, 190], 1.0, [0; 4]);
+                    }
+                }
+            }
+        }
+        let Some(block) = world.loaded_block(player.block()) else {
+            return;
+        };
+        let eye = self.camera.eye_in(block.id);
+        for building in &block.buildings {
+            let parts = building.shape.parts.iter().zip(&building.part_frames);
+            for (part, frame) in parts {
+                let Some(physics) = part.model.as_ref().and_then(|m| m.physics.as_ref()) else {
+                    continue;
+                };
+                for polygon in physics.polygons().polygons() {
+                    let corners: Vec<Vec3> = physics
+                        .polygons()
+                        .vertices(polygon)
+                        .iter()
+                        .map(|v| frame.local_to_global(*v * part.scale) - eye)
+                        .collect();
+                    self.polygon(&corners, [255, 120, 200, 150], 1.0, [0; 4]);
+                }
+            }
+        }
+    }
+
+    fn stab_list(&mut self, world: &World, frame: &FrameView, player: CellId) {
+        let root = frame.interior().and_then(|f| f.cells().first().map(|c| c.id));
+        let root = root.unwrap_or(player);
+        let Some(cell) = world.env_cell(root) else { return };
+        for &id in &cell.stab_list {
+            let Some(other) = world.env_cell(id) else { continue };
+            let listed = frame.floods().iter().any(|f| f.sees(id));
+            let color = if listed {
+                [90, 230, 110, 230]
+            } else {
+                [160, 160, 190, 200]
+            };
+            self.cell_box(other, color, if listed { 2.5 } else { 1.0 });
+            if let Some(b) = other.structure.bounds {
+                let eye = self.camera.eye_in(id.block());
+                let middle = other.frame.local_to_global((b.min + b.max) * 0.5) - eye;
+                let text = format!("{:04X} {}", id.low(), if listed { "seen" } else { "stab list" });
+                self.label(middle, text, [color[0], color[1], color[2]]);
+            }
+        }
+        self.cell_box(cell, [255, 255, 255, 255], 2.5);
+    }
+}
+
+/// A line cut to the screen and a little around it.
+fn on_screen(a: Vec2, b: Vec2, size: Vec2) -> Option<(Vec2, Vec2)> {
+    let (low, high) = (Vec2::splat(-50.0), size + Vec2::splat(50.0));
+    let d = b - a;
+    let (mut t0, mut t1) = (0.0f32, 1.0f32);
+    for k in 0..2 {
+        if d[k].abs() < 1.0e-6 {
+            if a[k] < low[k] || a[k] > high[k] {
+                return None;
+            }
+            continue;
+        }
+        let (x, y) = ((low[k] - a[k]) / d[k], (high[k] - a[k]) / d[k]);
+        let (x, y) = if x < y { (x, y) } else { (y, x) };
+        t0 = if x > t0 { x } else { t0 };
+        t1 = if y < t1 { y } else { t1 };
+    }
+    (t0 <= t1).then(|| (a + d * t0, a + d * t1))
+}
+
+fn box_edges(b: &BoundingBox) -> impl Iterator<Item = (Vec3, Vec3)> + use<> {
+    let (min, max) = (b.min, b.max);
+    let corner = move |k: usize| {
+        Vec3::new(
+            if k & 1 == 0 { min.x } else { max.x },
+            if k & 2 == 0 { min.y } else { max.y },
+            if k & 4 == 0 { min.z } else { max.z },
+        )
+    };
+    (0..8usize).flat_map(move |k| {
+        [1, 2, 4]
+            .into_iter()
+            .filter(move |bit| k & bit == 0)
+            .map(move |bit| (corner(k), corner(k | bit)))
+    })
+}
+
+/// A colour that tells a cell from its neighbours.
+pub fn cell_color(id: CellId) -> [u8; 3] {
+    let h = id.0.wrapping_mul(2_654_435_761) >> 8;
+    let hue = (h % 360) as f32 / 60.0;
+    let x = 1.0 - (hue % 2.0 - 1.0).abs();
+    let (r, g, b) = match hue as u32 {
+        0 => (1.0, x, 0.0),
+        1 => (x, 1.0, 0.0),
+        2 => (0.0, 1.0, x),
+        3 => (0.0, x, 1.0),
+        4 => (x, 0.0, 1.0),
+        _ => (1.0, 0.0, x),
+    };
+    [r, g, b].map(|v: f32| (90.0 + 165.0 * v) as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera() -> Camera {
+        let at = CellId(0xA9B4_0001);
+        Camera::new(at, Vec3::ZERO, Vec3::Y, Vec3::Z, 1.0, Vec2::new(200.0, 100.0)).unwrap()
+    }
+
+    #[test]
+    fn lines_are_cut_at_the_near_plane_and_the_screen() {
+        let camera = camera();
+        let mut marks = Marks::new(&camera);
+        marks.line(-Vec3::Y, Vec3::new(0.0, -2.0, 1.0), [255; 4], 1.0);
+        assert!(marks.list.is_empty(), "behind the eye");
+        marks.line(
+            Vec3::new(0.0, -5.0, -1.0),
+            Vec3::new(0.0, 10.0, 0.0),
+            [255; 4],
+            1.0,
+        );
+        let Some(Mark::Line { a, b, .. }) = marks.list.first() else {
+            panic!()
+        };
+        assert!(
+            a.y <= 151.0 && (*b - Vec2::new(100.0, 50.0)).length() < 1.0,
+            "{a} {b}"
+        );
+    }
+
+    #[test]
+    fn areas_around_the_eye_have_corners_ahead_only() {
+        let camera = camera();
+        let mut marks = Marks::new(&camera);
+        let floor = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)].map(|(x, y)| Vec3::new(x, y, -1.0));
+        marks.polygon(&floor, [255; 4], 1.0, [9; 4]);
+        let area = marks.list.iter().find_map(|m| match m {
+            Mark::Area { points, .. } => Some(points.clone()),
+            _ => None,
+        });
+        let points = area.unwrap();
+        assert_eq!(points.len(), 4);
+        assert!(points.iter().all(|p| p.y > 50.0 && p.is_finite()));
+    }
+
+    #[test]
+    fn a_box_has_twelve_edges() {
+        let b = BoundingBox::of([Vec3::ZERO, Vec3::ONE]).unwrap();
+        assert_eq!(box_edges(&b).count(), 12);
+    }
+}

@@ -1,0 +1,151 @@
+//! Where to go: typed positions, map coordinates and names.
+
+use vestibule_world::{CellId, MapCoordinates, Position, World};
+
+/// A place with a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedPlace {
+    /// What it is called.
+    pub name: String,
+    /// Where it is.
+    pub position: Position,
+}
+
+/// Why a text names no place.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PlaceError {
+    /// It is neither a position nor coordinates nor a name.
+    #[error(
+        "'{text}' is no place: type a position like 0xA9B40031 [155.4 26 94], coordinates like 42.1N, 33.6E, a cell or a name"
+    )]
+    Unknown {
+        /// What was typed.
+        text: String,
+    },
+    /// There is no such cell.
+    #[error("there is no cell {0} in this world")]
+    NoCell(CellId),
+    /// The coordinates lie outside the map.
+    #[error("{0} lies outside the map")]
+    OffMap(MapCoordinates),
+}
+
+/// The place a text names: a position as the game prints it, map coordinates, a cell, or one of `names` or the
+/// beginning of it.
+///
+/// # Errors
+/// When it names none.
+pub fn find(world: &World, names: &[NamedPlace], text: &str) -> Result<Position, PlaceError> {
+    let text = text.trim();
+    let text = text.strip_prefix("Your location is:").map_or(text, str::trim);
+    let lower = text.to_lowercase();
+    if lower.is_empty() {
+        return Err(PlaceError::Unknown { text: lower });
+    }
+    let same = |n: &&NamedPlace| n.name.to_lowercase() == lower;
+    let begins = |n: &&NamedPlace| n.name.to_lowercase().starts_with(&lower);
+    let holds = |n: &&NamedPlace| n.name.to_lowercase().contains(&lower);
+    let named = names.iter().find(same);
+    let named = named.or_else(|| names.iter().find(begins));
+    let named = named.or_else(|| names.iter().find(|n| lower.len() > 2 && holds(n)));
+    if let Some(place) = named {
+        return Ok(place.position);
+    }
+    if let Ok(position) = text.parse::<Position>() {
+        return usable(world, position);
+    }
+    if let Ok(map) = text.parse::<MapCoordinates>() {
+        let flat = map.to_position(0.0).ok_or(PlaceError::OffMap(map))?;
+        let mut origin = flat.origin();
+        origin.z = world.ground_at(flat.cell, origin).map_or(0.0, |g| g.z);
+        return usable(world, Position::new(flat.cell, origin));
+    }
+    if let Ok(cell) = text.parse::<CellId>() {
+        return middle_of(world, cell).ok_or(PlaceError::NoCell(cell));
+    }
+    Err(PlaceError::Unknown {
+        text: text.to_owned(),
+    })
+}
+
+fn usable(world: &World, position: Position) -> Result<Position, PlaceError> {
+    let block = world.block(position.cell.block());
+    if block.is_some() && position.is_finite() {
+        Ok(position)
+    } else {
+        Err(PlaceError::NoCell(position.cell))
+    }
+}
+
+/// A place to stand in a cell: the middle of a room at its floor, or of a land cell on the ground.
+pub fn middle_of(world: &World, cell: CellId) -> Option<Position> {
+    world.block(cell.block())?;
+    if let Some(room) = world.env_cell(cell) {
+        let b = room.structure.bounds?;
+        let middle = (b.min + b.max) * 0.5;
+        // Rooms are seldom boxes: take what is inside, from the middle outwards.
+        for k in 0..25 {
+            let step = |k: i32| ((k + 1) / 2) as f32 * if k % 2 == 0 { 0.2 } else { -0.2 };
+            let half = (b.max - b.min) * 0.5;
+            let mut p = middle;
+            p.x += step(k % 5) * half.x;
+            p.y += step(k / 5) * half.y;
+            p.z = b.min.z + 0.5;
+            let at = room.frame.local_to_global(p);
+            if room.contains_point(at) {
+                let down = room.frame.local_to_global(p - glam::Vec3::Z * 0.48);
+                return Some(Position::new(cell, down));
+            }
+        }
+        return Some(Position::new(cell, room.frame.local_to_global(middle)));
+    }
+    let land = world.land_cell(cell)?;
+    let corners = land.polygons.iter().flat_map(|p| p.vertices);
+    let sum: glam::Vec3 = corners.sum();
+    let mut middle = sum / 6.0;
+    middle.z = world.ground_at(cell, middle).map_or(middle.z, |g| g.z);
+    Some(Position::new(cell, middle))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::hollow;
+
+    #[test]
+    fn places_are_found_by_position_coordinates_cell_and_name() {
+        let (world, names) = hollow();
+        let at = |text: &str| find(&world, &names, text);
+        assert_eq!(at("0xA9B40031 [155.4 26 94]").unwrap().cell, CellId(0xA9B4_0031));
+        assert_eq!(at("0xA9B40101").unwrap().cell, CellId(0xA9B4_0101));
+        let cellar = at("cottage.cellar").unwrap();
+        assert!(
+            world
+                .env_cell(cellar.cell)
+                .unwrap()
+                .contains_point(cellar.origin() + glam::Vec3::Z)
+        );
+        assert_eq!(at("COTTAGE.CEL").unwrap(), cellar);
+        let map = MapCoordinates::of(&Position::new(
+            CellId(0xA9B4_0031),
+            glam::Vec3::new(155.0, 26.0, 0.0),
+        ));
+        assert!(at(&map.to_string()).is_ok(), "{map}");
+    }
+
+    #[test]
+    fn nowhere_is_an_error_that_says_what_would_do() {
+        let (world, names) = hollow();
+        for text in [
+            "",
+            "  ",
+            "no such place",
+            "0xA9B4FFF0",
+            "0x00010001 [1 2 3]",
+            "999N, 999E",
+            "0xA9B40031 [nan 1 2]",
+        ] {
+            assert!(find(&world, &names, text).is_err(), "{text}");
+        }
+    }
+}

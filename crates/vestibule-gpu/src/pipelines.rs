@@ -1,0 +1,276 @@
+//! Pipelines, made when first needed.
+
+use std::collections::HashMap;
+
+use vestibule_render::{Blend, Factor};
+
+use crate::ground;
+use crate::meshes;
+use crate::uniforms::{DrawUniform, FrameUniform, LightUniform};
+
+/// Depth as `rendering.md` 9.3 wants it: reversed, in floating point.
+pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// Colours are stored and blended as they are (`rendering.md` 9.7).
+pub(crate) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// Two words an id.
+pub(crate) const ID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Kind {
+    /// A mesh, its light computed at each pixel or at its corners.
+    Mesh { pixel_lit: bool },
+    /// The ground.
+    Terrain,
+    /// The sky.
+    Sky,
+    /// A punch or a seal: depth, whatever is there.
+    Depth,
+    /// A seal in the texture that keeps the landscape behind the exits: the nearest wins.
+    Limit,
+}
+
+/// Everything a pipeline depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Key {
+    pub(crate) kind: Kind,
+    pub(crate) blend: (u8, u8),
+    pub(crate) test: bool,
+    pub(crate) write: bool,
+    /// Back faces (0), front faces (1) or none (2) are left out.
+    pub(crate) cull: u8,
+    /// Pixels may be cut away: exits before the landscape, regions of a room.
+    pub(crate) cut: bool,
+    pub(crate) ids: bool,
+}
+
+impl Key {
+    pub(crate) fn opaque(kind: Kind) -> Self {
+        Key {
+            kind,
+            blend: blend_key(Blend::OPAQUE),
+            test: true,
+            write: true,
+            cull: 0,
+            cut: false,
+            ids: false,
+        }
+    }
+}
+
+pub(crate) fn blend_key(blend: Blend) -> (u8, u8) {
+    let code = |f: Factor| match f {
+        Factor::Zero => 0,
+        Factor::One => 1,
+        Factor::SrcAlpha => 2,
+        Factor::InvSrcAlpha => 3,
+    };
+    (code(blend.src), code(blend.dst))
+}
+
+fn factor(code: u8) -> wgpu::BlendFactor {
+    match code {
+        0 => wgpu::BlendFactor::Zero,
+        1 => wgpu::BlendFactor::One,
+        2 => wgpu::BlendFactor::SrcAlpha,
+        _ => wgpu::BlendFactor::OneMinusSrcAlpha,
+    }
+}
+
+#[derive(Debug)]
+pub(crate) struct Pipelines {
+    all: HashMap<Key, wgpu::RenderPipeline>,
+    shaders: [wgpu::ShaderModule; 4],
+    layouts: [wgpu::PipelineLayout; 3],
+    pub(crate) frame_layout: wgpu::BindGroupLayout,
+    pub(crate) draw_layout: wgpu::BindGroupLayout,
+    samples: u32,
+}
+
+impl Pipelines {
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        pictures: &wgpu::BindGroupLayout,
+        ground: &wgpu::BindGroupLayout,
+        samples: u32,
+    ) -> Self {
+        let shader = |label, source: &str| {
+            device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(label),
+                source: wgpu::ShaderSource::Wgsl(
+                    [include_str!("shaders/common.wgsl"), source].concat().into(),
+                ),
+            })
+        };
+        let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let uniform = |binding, size: usize, dynamic| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: both,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Uniform,
+                has_dynamic_offset: dynamic,
+                min_binding_size: wgpu::BufferSize::new(size as u64),
+            },
+            count: None,
+        };
+        let frame_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("frame"),
+            entries: &[
+                uniform(0, size_of::<FrameUniform>(), false),
+                crate::textures::texture_entry(1, wgpu::TextureViewDimension::D2, false),
+            ],
+        });
+        let draw_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("draw"),
+            entries: &[
+                uniform(0, size_of::<DrawUniform>(), true),
+                uniform(1, size_of::<LightUniform>(), true),
+            ],
+        });
+        let layout = |groups: &[&wgpu::BindGroupLayout]| {
+            let groups: Vec<Option<&wgpu::BindGroupLayout>> = groups.iter().map(|g| Some(*g)).collect();
+            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("vestibule"),
+                bind_group_layouts: &groups,
+                immediate_size: 0,
+            })
+        };
+        let layouts = [
+            layout(&[&frame_layout, &draw_layout, pictures]),
+            layout(&[&frame_layout, &draw_layout, ground]),
+            layout(&[&frame_layout]),
+        ];
+        Pipelines {
+            all: HashMap::new(),
+            shaders: [
+                shader("mesh", include_str!("shaders/mesh.wgsl")),
+                shader("terrain", include_str!("shaders/terrain.wgsl")),
+                shader("sky", include_str!("shaders/sky.wgsl")),
+                shader("depth", include_str!("shaders/depth.wgsl")),
+            ],
+            layouts,
+            frame_layout,
+            draw_layout,
+            samples,
+        }
+    }
+
+    pub(crate) fn get(&self, key: Key) -> Option<&wgpu::RenderPipeline> {
+        self.all.get(&key)
+    }
+
+    /// Sees to it that a pipeline is there.
+    pub(crate) fn prepare(&mut self, device: &wgpu::Device, key: Key) {
+        if !self.all.contains_key(&key) {
+            let made = self.make(device, key);
+            self.all.insert(key, made);
+        }
+    }
+
+    fn make(&self, device: &wgpu::Device, key: Key) -> wgpu::RenderPipeline {
+        const POINTS: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+            array_stride: 16,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x4],
+        };
+        let (shader, layout, buffers): (usize, usize, &[Option<wgpu::VertexBufferLayout<'static>>]) =
+            match key.kind {
+                Kind::Mesh { .. } => (0, 0, &[Some(meshes::CORNER_LAYOUT)]),
+                Kind::Terrain => (1, 1, &[Some(ground::CORNER_LAYOUT)]),
+                Kind::Sky => (2, 2, &[]),
+                Kind::Depth | Kind::Limit => (3, 2, &[Some(POINTS)]),
+            };
+        let flag = |on: bool| if on { 1.0 } else { 0.0 };
+        let cut = ("CUT", flag(key.cut));
+        let mesh_constants = [
+            cut,
+            ("PIXEL_LIT", flag(key.kind == Kind::Mesh { pixel_lit: true })),
+        ];
+        let terrain_constants = [cut];
+        let constants: &[(&str, f64)] = match key.kind {
+            Kind::Mesh { .. } => &mesh_constants,
+            Kind::Terrain => &terrain_constants,
+            _ => &[],
+        };
+        let options = wgpu::PipelineCompilationOptions {
+            constants,
+            ..Default::default()
+        };
+        let no_color = matches!(key.kind, Kind::Depth | Kind::Limit);
+        let (src, dst) = key.blend;
+        let opaque = key.blend == blend_key(Blend::OPAQUE);
+        let blend = wgpu::BlendState {
+            color: wgpu::BlendComponent {
+                src_factor: factor(src),
+                dst_factor: factor(dst),
+                operation: wgpu::BlendOperation::Add,
+            },
+            // The picture itself stays opaque.
+            alpha: wgpu::BlendComponent {
+                src_factor: wgpu::BlendFactor::Zero,
+                dst_factor: wgpu::BlendFactor::One,
+                operation: wgpu::BlendOperation::Add,
+            },
+        };
+        let target = wgpu::ColorTargetState {
+            format: if key.ids { ID_FORMAT } else { COLOR_FORMAT },
+            blend: (!opaque && !key.ids).then_some(blend),
+            write_mask: if no_color {
+                wgpu::ColorWrites::empty()
+            } else {
+                wgpu::ColorWrites::ALL
+            },
+        };
+        let targets = [Some(target)];
+        let limit = key.kind == Kind::Limit;
+        let entry = match (no_color, key.ids) {
+            (true, _) => "nothing",
+            (_, true) => "ids",
+            _ => "color",
+        };
+        let samples = if limit || key.ids { 1 } else { self.samples };
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("vestibule"),
+            layout: Some(&self.layouts[layout]),
+            vertex: wgpu::VertexState {
+                module: &self.shaders[shader],
+                entry_point: Some("vertex"),
+                compilation_options: options.clone(),
+                buffers,
+            },
+            primitive: wgpu::PrimitiveState {
+                topology: wgpu::PrimitiveTopology::TriangleList,
+                front_face: wgpu::FrontFace::Ccw,
+                cull_mode: match key.cull {
+                    0 => Some(wgpu::Face::Back),
+                    1 => Some(wgpu::Face::Front),
+                    _ => None,
+                },
+                ..Default::default()
+            },
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH_FORMAT,
+                depth_write_enabled: Some(key.write),
+                depth_compare: Some(match (limit, key.test) {
+                    (true, _) => wgpu::CompareFunction::Greater,
+                    (false, true) => wgpu::CompareFunction::GreaterEqual,
+                    (false, false) => wgpu::CompareFunction::Always,
+                }),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState {
+                count: samples,
+                ..Default::default()
+            },
+            fragment: (!limit).then_some(wgpu::FragmentState {
+                module: &self.shaders[shader],
+                entry_point: Some(entry),
+                compilation_options: options,
+                targets: &targets,
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}

@@ -1,0 +1,133 @@
+//! The usual step on terrain, worked out without a transition (`transition.md` 5.6, 5.8, 7.3); see
+//! [`crate::plain_step`].
+
+use glam::Vec3;
+use vestibule_world::{CellId, LandCell, Landblock, Plane, Water, calm_distance};
+
+use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS, SHAPE_INTERP_LIMIT, STEP_DOWN_ATTEMPTS};
+use crate::object_info::is_walkable_z;
+use crate::plain_step::{Candidate, PlainEnd, PlainStep};
+use crate::sweep::Scratch;
+use crate::transition::Calm;
+
+/// A candidate over terrain.
+struct OverLand<'a> {
+    cell: &'a LandCell,
+    pose: Candidate,
+    low: Vec3,
+    contact: Option<Plane>,
+}
+
+/// How terrain answers an insertion.
+enum Answer {
+    /// It is satisfied, in contact or not.
+    Ok,
+    /// It moved the candidate up.
+    Adjusted,
+}
+
+impl OverLand<'_> {
+    #[inline(always)]
+    fn shift(&mut self, v: Vec3) {
+        self.pose.shift(v);
+        self.low += v;
+    }
+
+    /// One insertion into the land cell's terrain (7.3); `None` where it is not a usual one. `interp` is what is
+    /// left of the movement in a step down by `depth`.
+    #[inline(always)]
+    fn insert(&mut self, interp: Option<&mut f32>, depth: f32) -> Option<Answer> {
+        let plane = self.cell.find_terrain_poly(self.low)?.plane;
+        let water = if self.cell.water == Water::Not {
+            0.0
+        } else {
+            self.cell.water_depth(self.low)
+        };
+        let n = plane.normal;
+        if interp.is_none() && !is_walkable_z(n.z) {
+            return None;
+        }
+        let foot = self.pose.spheres[0];
+        let low = Vec3::new(foot.center.x, foot.center.y, foot.center.z - foot.radius);
+        let a = plane.dist(low) + water;
+        if a > EPSILON {
+            return Some(Answer::Ok);
+        }
+        self.contact = Some(plane);
+        if a >= -EPSILON {
+            return Some(Answer::Ok);
+        }
+        let z = a / n.z;
+        if let Some(interp) = interp {
+            let w = (1.0 + z / (depth * *interp)) * *interp;
+            if w >= *interp || w < SHAPE_INTERP_LIMIT {
+                return None;
+            }
+            *interp = w;
+        }
+        self.shift(Vec3::new(0.0, 0.0, -z));
+        Some(Answer::Adjusted)
+    }
+}
+
+/// A step on a land cell, if it is a usual one.
+#[inline(always)]
+pub(crate) fn plain_step_on_land(
+    step: &PlainStep<'_>,
+    block: &Landblock,
+    scratch: &mut Scratch,
+    calm: &mut Calm,
+) -> Option<PlainEnd> {
+    let id: CellId = step.from.cell;
+    let cell = block.land_cell(id)?;
+    let drowned = block
+        .land
+        .as_ref()
+        .is_none_or(|land| land.water == Water::Entirely);
+    let to_cells = calm_distance(step.world, id, step.candidate.spheres());
+    *calm = Calm::around(id, step.candidate.spheres[0].center, to_cells);
+    if !(to_cells > 0.0) || cell.restriction.is_some() || cell.building.is_some() || drowned {
+        return None;
+    }
+    let mut over = OverLand {
+        cell,
+        pose: step.candidate,
+        low: step.low,
+        contact: None,
+    };
+    settle(&mut over, MOVE_ATTEMPTS, None, 0.0)?;
+    let moved = over.pose;
+    let objects = step.objects_around(block, id, &moved, false)?;
+    if !step.candidate.is_within(&moved, to_cells) {
+        return None;
+    }
+    if over.contact.is_none() {
+        // The ground below (5.6).
+        let h = step.search_depth();
+        over.shift(Vec3::new(0.0, 0.0, -h));
+        settle(&mut over, STEP_DOWN_ATTEMPTS, Some(1.0), h)?;
+        if !step.candidate.is_within(&over.pose, to_cells)
+            || !step.clears_objects(block, id, (&moved, objects), &over.pose)
+            || over.contact?.normal.z < FLOOR_Z
+        {
+            return None;
+        }
+        // It must be possible to be placed there.
+        let Answer::Ok = over.insert(None, 0.0)? else {
+            return None;
+        };
+    }
+    step.end(id, &over.pose, over.contact?, cell.water != Water::Not, scratch)
+}
+
+/// Inserts until terrain is satisfied.
+#[inline(always)]
+fn settle(over: &mut OverLand<'_>, attempts: u32, interp: Option<f32>, depth: f32) -> Option<()> {
+    let mut interp = interp;
+    for _ in 0..attempts {
+        if let Answer::Ok = over.insert(interp.as_mut(), depth)? {
+            return Some(());
+        }
+    }
+    None
+}

@@ -1,0 +1,274 @@
+//! Hints and shortcuts change no answer: random sweeps in worlds with hints against the same sweeps in worlds
+//! without any (`WorldSettings::exact`), bit for bit.
+
+mod common;
+
+use common::*;
+use glam::{Quat, Vec3};
+use vestibule_dat::DatSet;
+use vestibule_physics::{
+    Body, Carried, Mover, ObjectState, PhysicsState, Placement, Population, Scratch, Settings, sweep,
+};
+use vestibule_world::{BlockId, CellId, Position, Sphere, World, WorldSettings};
+
+const EXACT: WorldSettings = WorldSettings {
+    offset_building_transit: false,
+    exact: true,
+};
+
+struct Draws(u64);
+
+impl Draws {
+    fn next(&mut self) -> f32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    fn signed(&mut self) -> f32 {
+        self.next() * 2.0 - 1.0
+    }
+
+    fn chance(&mut self, share: f32) -> bool {
+        self.next() < share
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        ((self.next() * n as f32) as usize).min(n - 1)
+    }
+
+    fn point(&mut self) -> Vec3 {
+        Vec3::new(self.signed(), self.signed(), self.signed())
+    }
+}
+
+/// The same world with and without hints.
+struct Pair {
+    quick: World,
+    exact: World,
+    blocks: Vec<BlockId>,
+}
+
+impl Pair {
+    fn open(name: &str) -> Option<Self> {
+        let dir = vectors()?.join("worlds").join(name);
+        let open = |settings| World::with_settings(DatSet::open_in_memory(&dir).unwrap(), settings).unwrap();
+        Some(Pair::of(open(WorldSettings::default()), open(EXACT)))
+    }
+
+    fn embedded() -> Self {
+        let compiled = vestibule_forge::embedded_world().unwrap();
+        let open = |settings| World::with_settings(compiled.memory_records(), settings).unwrap();
+        Pair::of(open(WorldSettings::default()), open(EXACT))
+    }
+
+    fn of(quick: World, exact: World) -> Self {
+        let blocks: Vec<BlockId> = (0..=u16::MAX)
+            .map(BlockId)
+            .filter(|&id| quick.block(id).is_some())
+            .collect();
+        for &id in &blocks {
+            assert!(exact.block(id).is_some());
+        }
+        assert!(!blocks.is_empty());
+        Pair { quick, exact, blocks }
+    }
+
+    /// Somewhere in a cell: two out of three times in a room, if there are any.
+    fn somewhere(&self, draws: &mut Draws) -> Option<Position> {
+        let block = self.quick.block(self.blocks[draws.below(self.blocks.len())])?;
+        let rooms: Vec<_> = block.env_cells().collect();
+        if !rooms.is_empty() && (block.land.is_none() || draws.chance(0.67)) {
+            let room = rooms[draws.below(rooms.len())];
+            let bounds = room.structure.bounds?;
+            let at = (bounds.min + bounds.max) * 0.5 + (bounds.max - bounds.min) * 0.5 * draws.point();
+            let p = room.frame.local_to_global(at);
+            return Some(Position::new(room.id, p));
+        }
+        // Near a building if there is one.
+        let near = match block.buildings.len() {
+            0 => Vec3::new(96.0, 96.0, 0.0) + draws.point() * 90.0,
+            n => block.buildings[draws.below(n)].part_frames.first()?.origin + draws.point() * 14.0,
+        };
+        let ground = self.quick.ground_at(CellId::new(block.id, 1), near)?;
+        Some(Position::new(
+            ground.cell,
+            Vec3::new(ground.point.x, ground.point.y, ground.z + draws.next() * 2.0),
+        ))
+    }
+}
+
+/// Movers of all kinds: players, creatures of odd sizes, one sphere or two, missiles, cameras.
+fn some_mover(draws: &mut Draws) -> Mover {
+    let mut mover = if draws.chance(0.4) {
+        Mover::player()
+    } else {
+        let scale = 0.25 + 2.0 * draws.next() * draws.next();
+        let r = 0.48 * scale;
+        let foot = Sphere::new(Vec3::new(0.0, 0.0, r), r);
+        let above = r * (1.0 + 2.0 * draws.next());
+        let head = Sphere::new(
+            Vec3::new(0.1 * draws.signed(), 0.0, r + above),
+            r * (0.6 + 0.6 * draws.next()),
+        );
+        let spheres = [foot, head];
+        let count = if draws.chance(0.4) { 1 } else { 2 };
+        Mover::new(&spheres[..count])
+            .unwrap()
+            .with_steps(0.6 * scale, 1.5 * scale * draws.next())
+    };
+    if draws.chance(0.15) {
+        mover.state.set(ObjectState::EDGE_SLIDE, false);
+    }
+    if draws.chance(0.05) {
+        mover.state = ObjectState::IS_VIEWER | ObjectState::PATH_CLIPPED | ObjectState::PERFECT_CLIP;
+    } else if draws.chance(0.05) {
+        mover.state.set(ObjectState::PATH_CLIPPED, true);
+        mover.physics.set(PhysicsState::MISSILE, true);
+    }
+    if draws.chance(0.05) {
+        mover.physics.set(PhysicsState::GRAVITY, false);
+    }
+    mover
+}
+
+/// Chains of sweeps from random places, each made in both worlds.
+fn compare(name: &str, pair: &Pair, chains: u32, settings: Settings) {
+    let mut draws = Draws(0x9E37_79B9_7F4A_7C15 ^ name.len() as u64);
+    let mut populations = [
+        Population::with_settings(settings),
+        Population::with_settings(settings),
+    ];
+    let (mut quick_scratch, mut exact_scratch) = (Scratch::new(), Scratch::new());
+    let (mut made, mut stood, mut collided) = (0u32, 0u32, 0u32);
+    for chain in 0..chains {
+        // The last quarter of the chains has bodies to run into.
+        let crowded = chain >= chains - chains / 4 && chain % 8 == 0;
+        if let (true, Some(at)) = (crowded, pair.somewhere(&mut draws)) {
+            for (population, world) in populations.iter_mut().zip([&pair.quick, &pair.exact]) {
+                let id = population.add(Body::player());
+                let _ = population.set_position(world, &mut quick_scratch, id, &Placement::at(at));
+            }
+        }
+        let Some(mut at) = pair.somewhere(&mut draws) else {
+            continue;
+        };
+        if draws.chance(0.3) {
+            let half = draws.signed() * 3.2;
+            at.frame
+                .set_rotation(Quat::from_xyzw(0.0, 0.0, libm::sinf(half), libm::cosf(half)));
+        }
+        let mover = some_mover(&mut draws);
+        let mut state = Carried::default();
+        let (mut heading, mut fall) = (draws.next() * 6.3, 0.0);
+        for _ in 0..24 {
+            if draws.chance(0.15) {
+                heading += draws.signed() * 3.0;
+            }
+            let speed = match draws.below(20) {
+                0 => 6.0 * draws.next(),
+                1 => 0.001 * draws.next(),
+                _ => 0.05 + 0.4 * draws.next(),
+            };
+            let mut by = Vec3::new(libm::cosf(heading), libm::sinf(heading), 0.0) * speed;
+            if state.contact.is_some() && state.on_walkable {
+                fall = 0.0;
+            } else {
+                fall -= 0.3;
+                by.z = fall / 10.0;
+            }
+            let mut to = at;
+            to.frame.origin += by;
+            if draws.chance(0.05) {
+                to.frame.set_rotation(Quat::from_xyzw(
+                    0.0,
+                    0.0,
+                    libm::sinf(heading),
+                    libm::cosf(heading),
+                ));
+            }
+            let [quick, exact] = &populations;
+            let a = sweep(&pair.quick, quick, &mut quick_scratch, &mover, &state, &at, &to).unwrap();
+            let b = sweep(&pair.exact, exact, &mut exact_scratch, &mover, &state, &at, &to).unwrap();
+            let told = |swept, scratch: &Scratch| {
+                // Names signed zeros too.
+                format!("{swept:?} {:?} {:?}", scratch.cells(), scratch.touched())
+            };
+            let context = || format!("{name}, chain {chain}: {mover:?} {state:?} {at:?} to {to:?}");
+            assert_eq!(told(a, &quick_scratch), told(b, &exact_scratch), "{}", context());
+            made += 1;
+            stood += u32::from(a.on_walkable);
+            collided += u32::from(a.collision_normal.is_some());
+            if a.collision_normal.is_some() {
+                heading += draws.next() * 2.0;
+            }
+            match a.cell {
+                Some(cell) if a.ok => {
+                    at = Position { cell, ..a.position };
+                    state = a.carried();
+                }
+                _ => break,
+            }
+        }
+    }
+    assert!(
+        made > chains && stood * 4 > made && collided * 50 > made,
+        "{name}: {made} sweeps, {stood} on the ground, {collided} collided"
+    );
+}
+
+fn compare_vectors(name: &str, chains: u32) {
+    if let Some(pair) = Pair::open(name) {
+        compare(name, &pair, chains, Settings::default());
+    }
+}
+
+#[test]
+fn shortcuts_change_nothing_in_the_embedded_world() {
+    compare("embedded", &Pair::embedded(), 3000, Settings::default());
+}
+
+#[test]
+fn shortcuts_change_nothing_in_a_cottage() {
+    compare_vectors("cottage-1", 3000);
+    compare_vectors("cottage-2", 1000);
+}
+
+#[test]
+fn shortcuts_change_nothing_in_water_and_on_steep_ground() {
+    for name in [
+        "cottage-1-water",
+        "cottage-1-sea",
+        "cottage-1-steep4",
+        "cottage-1-steep9",
+    ] {
+        compare_vectors(name, 500);
+    }
+}
+
+#[test]
+fn shortcuts_change_nothing_among_objects() {
+    for name in [
+        "cottage-1-cyl0",
+        "cottage-1-sph2",
+        "dungeon-1-cyl1",
+        "dungeon-1-sph1",
+        "maze-1-sph0",
+    ] {
+        compare_vectors(name, 500);
+    }
+}
+
+#[test]
+fn shortcuts_change_nothing_in_dungeons() {
+    for name in ["dungeon-1", "dungeon-2", "gallery-1"] {
+        compare_vectors(name, 2000);
+    }
+}
+
+#[test]
+fn shortcuts_change_nothing_in_mazes() {
+    compare_vectors("maze-1", 1500);
+    compare_vectors("maze-424", 1500);
+}
