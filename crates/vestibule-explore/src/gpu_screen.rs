@@ -84,6 +84,12 @@ impl GpuScreen {
         self.target.as_ref()?.image(&self.gpu).ok()
     }
 
+    fn free(&mut self, delta: &TexturesDelta) {
+        for id in &delta.free {
+            self.panels.free_texture(id);
+        }
+    }
+
     pub(crate) fn draw(
         &mut self,
         (width, height): (u32, u32),
@@ -138,10 +144,14 @@ impl GpuScreen {
             wgpu::CurrentSurfaceTexture::Success(frame) | wgpu::CurrentSurfaceTexture::Suboptimal(frame) => {
                 frame
             }
-            wgpu::CurrentSurfaceTexture::Timeout | wgpu::CurrentSurfaceTexture::Occluded => return Ok(()),
+            wgpu::CurrentSurfaceTexture::Timeout | wgpu::CurrentSurfaceTexture::Occluded => {
+                self.free(delta);
+                return Ok(());
+            }
             // Another size or another screen: set up anew with the next frame.
             _ => {
                 self.configured = false;
+                self.free(delta);
                 return Ok(());
             }
         };
@@ -198,9 +208,7 @@ impl GpuScreen {
             .queue
             .submit(extra.into_iter().chain(core::iter::once(encoder.finish())));
         self.gpu.queue.present(frame);
-        for id in &delta.free {
-            self.panels.free_texture(id);
-        }
+        self.free(delta);
         self.gpu.check()
     }
 }

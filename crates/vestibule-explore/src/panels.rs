@@ -14,24 +14,24 @@ use crate::sidemap;
 
 /// Times of the last frames and what they drew.
 #[derive(Clone, Debug, Default)]
-pub struct FrameTimes {
+pub(crate) struct FrameTimes {
     /// Seconds from frame to frame, the newest last.
-    pub whole: Vec<f32>,
+    pub(crate) whole: Vec<f32>,
     /// Seconds of deciding what is seen.
-    pub decide: f32,
+    pub(crate) decide: f32,
     /// Seconds of building and submitting the frame.
-    pub submit: f32,
+    pub(crate) submit: f32,
     /// Draw calls.
-    pub draws: u32,
+    pub(crate) draws: u32,
     /// Triangles.
-    pub triangles: u32,
+    pub(crate) triangles: u32,
     /// What draws.
-    pub adapter: String,
+    pub(crate) adapter: String,
 }
 
 impl FrameTimes {
     /// Notes a frame.
-    pub fn push(&mut self, seconds: f32) {
+    pub(crate) fn push(&mut self, seconds: f32) {
         if self.whole.len() >= 120 {
             self.whole.remove(0);
         }
@@ -39,7 +39,7 @@ impl FrameTimes {
     }
 
     /// Frames a second over the last frames.
-    pub fn rate(&self) -> f32 {
+    pub(crate) fn rate(&self) -> f32 {
         let sum: f32 = self.whole.iter().sum();
         if sum > 0.0 {
             self.whole.len() as f32 / sum
@@ -54,7 +54,7 @@ const DIM: Color32 = Color32::from_rgb(150, 148, 138);
 const GOLD: Color32 = Color32::from_rgb(236, 196, 110);
 
 /// Colours and spacing.
-pub fn style(context: &Context) {
+pub(crate) fn style(context: &Context) {
     context.all_styles_mut(|style| {
         let mut v = egui::Visuals::dark();
         v.override_text_color = Some(INK);
@@ -73,7 +73,7 @@ pub fn style(context: &Context) {
 }
 
 /// Everything over the picture.
-pub fn show(context: &Context, explorer: &mut Explorer, times: &FrameTimes) {
+pub(crate) fn show(context: &Context, explorer: &mut Explorer, times: &FrameTimes) {
     if let Some(camera) = explorer.camera() {
         marks(context, &explorer.marks(), camera.viewport());
     }
@@ -484,7 +484,7 @@ fn notices(context: &Context, explorer: &Explorer) {
 }
 
 /// What is shown while a world is loading.
-pub fn loading(context: &Context, what: &str, share: f32) {
+pub(crate) fn loading(context: &Context, what: &str, share: f32) {
     let area = egui::Area::new(egui::Id::unique("loading")).anchor(Align2::CENTER_CENTER, [0.0, 0.0]);
     area.show(context, |ui| {
         ui.set_width(360.0);

@@ -48,7 +48,7 @@ impl Verdict {
 }
 
 /// A portal's corners relative to the eye, landscape axes.
-pub fn corners(camera: &Camera, cell: &EnvCell, portal: &CellPortal) -> Vec<Vec3> {
+pub(crate) fn corners(camera: &Camera, cell: &EnvCell, portal: &CellPortal) -> Vec<Vec3> {
     let eye = camera.eye_in(cell.id.block());
     cell.portal_vertices(portal)
         .iter()

@@ -27,7 +27,7 @@ fn outline(cell: &EnvCell) -> Option<([Vec2; 4], f32, f32)> {
 }
 
 /// The room whose outline holds a point, the one nearest in height to `z`.
-pub fn room_at<'a>(cells: impl Iterator<Item = &'a EnvCell>, at: Vec2, z: f32) -> Option<CellId> {
+pub(crate) fn room_at<'a>(cells: impl Iterator<Item = &'a EnvCell>, at: Vec2, z: f32) -> Option<CellId> {
     let mut best: Option<(f32, CellId)> = None;
     for cell in cells {
         let Some((corners, low, high)) = outline(cell) else {
@@ -49,7 +49,7 @@ pub fn room_at<'a>(cells: impl Iterator<Item = &'a EnvCell>, at: Vec2, z: f32) -
 }
 
 /// The map.
-pub fn show(context: &Context, explorer: &mut Explorer) {
+pub(crate) fn show(context: &Context, explorer: &mut Explorer) {
     let mut go: Option<Position> = None;
     let mut open = true;
     let window = egui::Window::new("Map").anchor(Align2::RIGHT_BOTTOM, [-10.0, -10.0]);

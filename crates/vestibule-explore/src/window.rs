@@ -227,7 +227,7 @@ impl App {
         }
         let input = open.input.take_egui_input(&open.window);
         let (phase, times) = (&mut self.phase, &self.times);
-        let output = open.context.clone().run_ui(input, |ui| {
+        let mut output = open.context.clone().run_ui(input, |ui| {
             let context = ui.ctx().clone();
             match phase {
                 Phase::Loading(_, what, share) => panels::loading(&context, what, *share),
@@ -254,6 +254,8 @@ impl App {
                 .draw(window_size, explorer, &list, delta, points, times)
                 .map_err(|e| e.to_string()),
         };
+        // Taken over, or given up together with the screen.
+        output.textures_delta.clear();
         if let Err(why) = drawn {
             self.recover(event_loop, &why);
             return;

@@ -103,7 +103,7 @@ enum Hits<'b> {
 fn hits<'b>(bsp: &'b PhysicsBsp, s: &Sphere, only_up: bool, filter: impl Fn(&Face) -> bool) -> Hits<'b> {
     let mut hit = None;
     let several = bsp.any_face_near(s.center, s.radius - EPSILON, only_up, |face| {
-        if !filter(face) {
+        if !filter(face) || face.is_beyond(s) {
             return false;
         }
         let overlap = polygon::overlap(face, bsp.edges(face), s);

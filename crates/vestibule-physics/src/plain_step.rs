@@ -293,14 +293,10 @@ pub(crate) fn plain_step(
         return None;
     }
     let arms = Arms::of(&from.frame, &mover.spheres);
-    let mut candidate = Candidate {
-        origin: from.frame.origin,
-        spheres: mover.spheres,
-        arms: arms.center,
-        count: mover.spheres().len(),
-    };
-    candidate.spheres[0].center = from.frame.origin + arms.center[0];
-    candidate.spheres[1].center = from.frame.origin + arms.center[1];
+    let start = from.frame.origin;
+    let foot = Sphere::new(start + arms.center[0], mover.spheres[0].radius);
+    let mut head = start + arms.center[1];
+    let (mut foot_center, mut origin) = (foot.center, start);
 
     // The offset, bent; a foot in the floor is pushed out of it first (4.2).
     let wall = match carried.sliding_normal {
@@ -313,16 +309,27 @@ pub(crate) fn plain_step(
     }
     let mut low = from.frame.origin + arms.low;
     if !contact.is_water {
-        let (foot, n) = (candidate.spheres[0], contact.plane.normal);
         let s = contact.plane.dist(foot.center);
-        let z = (foot.radius - s) / n.z;
-        if s < foot.radius - EPSILON && foot.radius > z.abs() {
-            let push = Vec3::new(0.0, 0.0, z);
-            candidate.shift(push);
-            low += push;
+        if s < foot.radius - EPSILON {
+            let z = (foot.radius - s) / contact.plane.normal.z;
+            if foot.radius > z.abs() {
+                let push = Vec3::new(0.0, 0.0, z);
+                origin += push;
+                foot_center += push;
+                head += push;
+                low += push;
+            }
         }
     }
-    candidate.shift(v);
+    let candidate = Candidate {
+        origin: origin + v,
+        spheres: [
+            Sphere::new(foot_center + v, foot.radius),
+            Sphere::new(head + v, mover.spheres[1].radius),
+        ],
+        arms: arms.center,
+        count: mover.spheres().len(),
+    };
     let block = world.block(from.cell.block())?;
     let step = PlainStep {
         world,

@@ -144,12 +144,11 @@ fn compare(name: &str, pair: &Pair, chains: u32, settings: Settings) {
     let (mut made, mut stood, mut collided) = (0u32, 0u32, 0u32);
     for chain in 0..chains {
         // The last quarter of the chains has bodies to run into.
-        if chain >= chains - chains / 4 && chain % 8 == 0 {
-            if let Some(at) = pair.somewhere(&mut draws) {
-                for (population, world) in populations.iter_mut().zip([&pair.quick, &pair.exact]) {
-                    let id = population.add(Body::player());
-                    let _ = population.set_position(world, &mut quick_scratch, id, &Placement::at(at));
-                }
+        let crowded = chain >= chains - chains / 4 && chain % 8 == 0;
+        if let (true, Some(at)) = (crowded, pair.somewhere(&mut draws)) {
+            for (population, world) in populations.iter_mut().zip([&pair.quick, &pair.exact]) {
+                let id = population.add(Body::player());
+                let _ = population.set_position(world, &mut quick_scratch, id, &Placement::at(at));
             }
         }
         let Some(mut at) = pair.somewhere(&mut draws) else {

@@ -25,6 +25,10 @@ pub(crate) enum Mode {
     Ids,
 }
 
+/// How much of the ambient light outdoors is left in rooms that see the outside when light is per pixel: so much that
+/// lamps show by day and daylight stays outside.
+const DIMMED: f32 = 0.62;
+
 /// Who a mesh belongs to, for its ids.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Owner {
@@ -82,7 +86,10 @@ impl Painter {
         sealed: bool,
     ) -> Self {
         let eye = EyeFrame::new(camera);
-        let levels = LightLevels::new(&day, sealed);
+        let mut levels = LightLevels::new(&day, sealed);
+        if settings.light == LightDetail::PerPixel && !sealed {
+            levels.indoors *= DIMMED;
+        }
         Painter {
             mode,
             settings,

@@ -15,6 +15,7 @@ use crate::place::EyeFrame;
 use crate::raster::scan::{Affine, Projection, Setup};
 use crate::scene::LightDetail;
 use crate::sky::{Daylight, Fog};
+use crate::terrain_paint::Way;
 use crate::texture::{TexelWalk, Texture};
 
 /// Pixels of a row over which things are taken as linear.
@@ -232,20 +233,23 @@ impl Palette<'_> {
                     let light = Vec3::from_array([0, 1, 2].map(|k| (light[k].at(x, y) * far) as f32));
                     self.end(*across, light, self.fog, x, y, far)
                 };
-                let plain = only.and_then(|k| Some((k, land.paint.get(k)?.plain()?)));
-                if let Some((k, base)) = plain {
-                    // One texture all over the land cell.
+                if let Some((k, paint)) = only.and_then(|k| Some((k, land.paint.get(k)?))) {
                     let (cx, cy) = ((k / 8) as f32, (k % 8) as f32);
-                    let size = base.tiling * base.texture.width() as f32;
                     let look = |a: &End, b: &End, n: u32| {
-                        let level = base.texture.level_for(slope.texels(a.uv, a.far, size));
-                        let uv = |p: [f32; 2]| [(p[0] - cx) * base.tiling, (1.0 - (p[1] - cy)) * base.tiling];
-                        let walk = TexelWalk::new(base.texture.level(level), uv(a.uv), uv(b.uv), n, true);
+                        let uv = |p: [f32; 2]| [p[0] - cx, 1.0 - (p[1] - cy)];
+                        let texels = slope.texels(a.uv, a.far, 1.0);
+                        let walk = paint.walk(&Way {
+                            from: uv(a.uv),
+                            to: uv(b.uv),
+                            steps: n,
+                            texels,
+                        });
                         move |k| walk.at(k)
                     };
                     stepped(x, pixels, end, look, self.fog);
                     return;
                 }
+                // A triangle of distant ground reaches over several land cells.
                 let look = |a: &End, b: &End, n: u32| {
                     let texels = slope.texels(a.uv, a.far, 1.0);
                     let (from, share) = (a.uv, 1.0 / n as f32);

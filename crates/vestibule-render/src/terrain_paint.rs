@@ -8,7 +8,7 @@ use vestibule_world::texture_code::{blend_hash, quarter_turns, road_masks, terra
 use vestibule_world::{REGION_RECORD, World};
 
 use crate::assets::{Assets, rgb};
-use crate::texture::{DecodeAs, Texture};
+use crate::texture::{DecodeAs, TexelWalk, Texture};
 
 /// Terrain type of roads (`rendering.md` 11.4).
 const ROAD: usize = 32;
@@ -238,11 +238,93 @@ impl Cover {
     }
 }
 
-impl CellPaint {
-    /// The texture of a cell that has only one.
+/// The base, three overlays and the road.
+const MAX_LAYERS: usize = 5;
+
+/// A straight way over a cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Way {
+    /// (u, v), u east, v south.
+    pub(crate) from: [f32; 2],
+    /// (u, v).
+    pub(crate) to: [f32; 2],
+    /// Steps from one to the other.
+    pub(crate) steps: u32,
+    /// The square of how much of the cell's side a pixel covers.
+    pub(crate) texels: f32,
+}
+
+/// A straight walk over a cell: its layers, each with the weight of what lies below and its change, in 256ths.
+pub(crate) struct PaintWalk<'t> {
+    layers: [Option<(TexelWalk<'t>, i32, i32)>; MAX_LAYERS],
+    count: usize,
+}
+
+impl<'t> PaintWalk<'t> {
+    /// A layer over those so far; `below` is what is left of these at both ends.
     #[inline]
-    pub(crate) fn plain(&self) -> Option<&TypeTexture> {
-        (self.overlays.is_empty() && self.roads.is_empty()).then_some(&self.base)
+    fn add(&mut self, layer: &'t TypeTexture, way: &Way, below: [f32; 2]) {
+        if below[0] >= 1.0 && below[1] >= 1.0 {
+            return;
+        }
+        if below[0] <= 0.0 && below[1] <= 0.0 {
+            self.count = 0;
+        }
+        let size = layer.tiling * layer.texture.width() as f32;
+        let level = layer
+            .texture
+            .level(layer.texture.level_for(way.texels * size * size));
+        let (from, to) = (
+            way.from.map(|v| v * layer.tiling),
+            way.to.map(|v| v * layer.tiling),
+        );
+        let texel = TexelWalk::new(level, from, to, way.steps, true);
+        let weight = below.map(|w| (w * 256.0) as i32);
+        let by = (weight[1] - weight[0]) / way.steps.max(1) as i32;
+        if let Some(slot) = self.layers.get_mut(self.count) {
+            *slot = Some((texel, weight[0], by));
+            self.count += 1;
+        }
+    }
+
+    /// The colour after `k` steps.
+    #[inline]
+    pub(crate) fn at(&self, k: u32) -> [u8; 4] {
+        let mut c = [0; 4];
+        for (texel, weight, by) in self.layers[..self.count].iter().flatten() {
+            let over = texel.at(k);
+            let w = weight + by * k as i32;
+            if w <= 0 {
+                c = over;
+                continue;
+            }
+            c = core::array::from_fn(|k| {
+                let (below, over) = (i32::from(c[k]), i32::from(over[k]));
+                (over + (((below - over) * w) >> 8)) as u8
+            });
+        }
+        c
+    }
+}
+
+impl CellPaint {
+    /// What a straight walk over the cell meets.
+    #[inline]
+    pub(crate) fn walk(&self, way: &Way) -> PaintWalk<'_> {
+        let mut walk = PaintWalk {
+            layers: [const { None }; MAX_LAYERS],
+            count: 0,
+        };
+        walk.add(&self.base, way, [0.0; 2]);
+        for layer in &self.overlays {
+            let below = |[u, v]: [f32; 2]| layer.cover.below(u, v);
+            walk.add(&layer.texture, way, [below(way.from), below(way.to)]);
+        }
+        if !self.roads.is_empty() {
+            let below = |[u, v]: [f32; 2]| self.roads.iter().fold(1.0, |w, c| w * c.below(u, v));
+            walk.add(&self.road, way, [below(way.from), below(way.to)]);
+        }
+        walk
     }
 
     /// The colour at (u, v) of the cell, u east, v south; `texels` is the square of how much of the cell's side a pixel
@@ -414,8 +496,26 @@ mod tests {
             roads: vec![],
             road: solid(40),
         };
+        let way = |from, to| Way {
+            from,
+            to,
+            steps: 8,
+            texels: 0.0,
+        };
         assert_eq!(cell.fetch(0.5, 0.5, 0.0)[..3], [30; 3]);
         cell.roads.push(Cover::Whole);
         assert_eq!(cell.fetch(0.5, 0.5, 0.0)[..3], [40; 3]);
+        assert_eq!(cell.walk(&way([0.1; 2], [0.9; 2])).at(3)[..3], [40; 3]);
+        // A walk over a border blends as single places do.
+        cell.roads = vec![Cover::Corners(6)];
+        let walk = cell.walk(&way([0.4, 0.5], [0.6, 0.5]));
+        for k in 0..=8 {
+            let exact = cell.fetch(0.4 + 0.025 * k as f32, 0.5, 0.0)[0];
+            assert!(
+                walk.at(k)[0].abs_diff(exact) <= 2,
+                "{k}: {} {exact}",
+                walk.at(k)[0]
+            );
+        }
     }
 }

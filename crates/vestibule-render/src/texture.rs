@@ -178,10 +178,9 @@ impl<'t> TexelWalk<'t> {
         for k in 0..2 {
             // Whole repeats are left away, so that little numbers remain; casts saturate.
             let whole = if wrap { a[k] as i32 as f32 } else { 0.0 };
-            let place = |t: f32| ((t - whole) * (sides[k] * 256) as f32) as i32;
-            let from = place(a[k]);
-            walk.from[k] = from.saturating_sub(128);
-            walk.by[k] = ((i64::from(place(b[k])) - i64::from(from)) / i64::from(n.max(1))) as i32;
+            let side = (sides[k] * 256) as f32;
+            walk.from[k] = (((a[k] - whole) * side) as i32).saturating_sub(128);
+            walk.by[k] = ((b[k] - a[k]) * side / n.max(1) as f32) as i32;
         }
         walk
     }

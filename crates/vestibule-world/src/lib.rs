@@ -49,6 +49,7 @@ mod loader;
 pub mod lscape;
 mod open_box;
 mod physics_bsp;
+mod plane_quads;
 mod polygon;
 mod position;
 mod records;

@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::constants::EPSILON;
 use crate::geometry::{BoundingBox, Plane, Side, Sphere};
 use crate::open_box::open_box;
+use crate::plane_quads::{PlaneQuad, only_face_up, plane_quads};
 use crate::polygon::PolygonSet;
 
 /// Where a child of a node is.
@@ -84,12 +85,25 @@ pub struct Face {
     /// First edge in [`PhysicsBsp::all_edges`].
     first_edge: u32,
     /// Number of edges.
-    edge_count: u32,
+    pub(crate) edge_count: u32,
     /// Position of the polygon in [`PhysicsBsp::polygons`].
     pub polygon: u32,
     /// The polygon lies where the tree says: whatever overlaps it by more than [`SURE_OVERLAP`] finds it by a
     /// walk.
     pub sound: bool,
+    /// Holds the polygon, and more: what does not reach it overlaps nothing. Endless unless the polygon is flat and
+    /// convex.
+    bound: Sphere,
+}
+
+impl Face {
+    /// Whether a sphere certainly does not overlap the polygon, because it is too far from all of it.
+    #[inline(always)]
+    pub fn is_beyond(&self, s: &Sphere) -> bool {
+        let between = s.center - self.bound.center;
+        let reach = s.radius + self.bound.radius;
+        between.dot(between) > reach * reach
+    }
 }
 
 /// How deep a sphere must overlap a sound [`Face`] for a walk to be certain to reach it, metres.
@@ -104,43 +118,6 @@ pub struct FaceEdge {
     /// Normal of the polygon times the edge: points inwards, in the plane, not normalised.
     pub inward: Vec3,
 }
-
-/// The planes of four polygons side by side, so that a sphere is held against all four at once.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct PlaneQuad {
-    x: [f32; 4],
-    y: [f32; 4],
-    z: [f32; 4],
-    d: [f32; 4],
-    /// Positions in the faces.
-    faces: [u32; 4],
-}
-
-impl PlaneQuad {
-    /// Planes that nothing is near.
-    const EMPTY: PlaneQuad = PlaneQuad {
-        x: [0.0; 4],
-        y: [0.0; 4],
-        z: [0.0; 4],
-        d: [f32::INFINITY; 4],
-        faces: [0; 4],
-    };
-
-    /// Which planes are within `reach` of `p`; the same arithmetic as [`Plane::dist`], lane by lane.
-    #[inline]
-    fn near(&self, p: Vec3, reach: f32) -> u32 {
-        let mut bits = 0;
-        for k in 0..4 {
-            let dist = self.x[k] * p.x + self.y[k] * p.y + self.z[k] * p.z + self.d[k];
-            let far = reach < dist.abs();
-            bits |= u32::from(!far) << k;
-        }
-        bits
-    }
-}
-
-/// Trees with more polygons than this are only ever walked.
-const MAX_SCANNED_FACES: usize = 96;
 
 /// A physics tree with the polygons it refers to; one per model or cell structure, shared by all that place it.
 #[derive(Clone, Debug, PartialEq)]
@@ -205,6 +182,7 @@ impl PhysicsBsp {
                 edge_count,
                 polygon: index,
                 sound: false,
+                bound: bound_of(&plane, vertices, &edges[first_edge as usize..]),
             });
         }
         let (quads, up_quads) = plane_quads(&faces);
@@ -246,6 +224,7 @@ impl PhysicsBsp {
         self.open_is_hollow = false;
         for face in &mut self.faces {
             face.sound = false;
+            face.bound = ENDLESS;
         }
     }
 
@@ -476,6 +455,38 @@ impl PhysicsBsp {
     }
 }
 
+/// Reaches everything.
+const ENDLESS: Sphere = Sphere::new(Vec3::ZERO, f32::INFINITY);
+
+/// See [`Face::is_beyond`].
+fn bound_of(plane: &Plane, vertices: &[Vec3], edges: &[FaceEdge]) -> Sphere {
+    /// Many times the rounding of the tests, metres.
+    const SLACK: f32 = 0.01;
+    let Some(around) = BoundingBox::of(vertices.iter().copied()) else {
+        return ENDLESS;
+    };
+    let small = around.min.abs().max_element() < 64.0 && around.max.abs().max_element() < 64.0;
+    let unit = (plane.normal.dot(plane.normal) - 1.0).abs() < 1e-4;
+    let sharp = edges.iter().any(|e| e.inward.dot(e.inward) < 1e-4);
+    // Every corner is on the inner side of every edge: the edges go round it once, and it is convex.
+    let convex = vertices.iter().all(|&v| {
+        plane.dist(v).abs() < 1e-3
+            && edges
+                .iter()
+                .all(|e| (v - e.start).dot(e.inward) >= -1e-5 * e.inward.dot(e.inward))
+    });
+    if !(small && unit && convex) || sharp {
+        return ENDLESS;
+    }
+    let center = (around.min + around.max) * 0.5;
+    let mut farthest = 0.0;
+    for &v in vertices {
+        let d = (v - center).dot(v - center);
+        farthest = if d > farthest { d } else { farthest };
+    }
+    Sphere::new(center, libm::sqrtf(farthest) + SLACK)
+}
+
 /// Smaller spheres are not said to be clear.
 pub(crate) const LEAST_CLEAR_RADIUS: f32 = 0.06;
 
@@ -502,43 +513,6 @@ pub(crate) const NO_BOX: BoundingBox = BoundingBox {
     min: Vec3::INFINITY,
     max: Vec3::NEG_INFINITY,
 };
-
-/// Faces whose normal z is at least this look up.
-const LOOKS_UP: f32 = 0.05;
-
-/// Each polygon's plane once, in groups of four, those that look up first; and how many groups those fill.
-fn plane_quads(faces: &[Face]) -> (Option<Box<[PlaneQuad]>>, usize) {
-    let mut seen = std::collections::BTreeSet::new();
-    let mut order: Vec<usize> = (0..faces.len())
-        .filter(|&i| faces[i].edge_count != 0 && seen.insert(faces[i].polygon))
-        .collect();
-    if order.len() > MAX_SCANNED_FACES {
-        return (None, 0);
-    }
-    let looks_up = |i: &usize| faces[*i].plane.normal.z >= LOOKS_UP;
-    order.sort_by_key(|i| !looks_up(i));
-    let up = order.iter().take_while(|i| looks_up(i)).count();
-    let quads = order.chunks(4).map(|chunk| {
-        let mut quad = PlaneQuad::EMPTY;
-        for (k, &i) in chunk.iter().enumerate() {
-            let Plane { normal, d } = faces[i].plane;
-            (quad.x[k], quad.y[k], quad.z[k], quad.d[k]) = (normal.x, normal.y, normal.z, d);
-            quad.faces[k] = i as u32;
-        }
-        quad
-    });
-    (Some(quads.collect()), up.div_ceil(4))
-}
-
-fn only_face_up(quads: &[PlaneQuad], faces: &[Face]) -> Option<u32> {
-    let lanes = quads
-        .iter()
-        .flat_map(|q| q.faces.iter().zip(&q.z).zip(&q.d))
-        .filter(|((_, z), d)| **z >= LOOKS_UP && d.is_finite());
-    let mut up = lanes.map(|((&face, _), _)| face);
-    let only = up.next()?;
-    (up.next().is_none() && (only as usize) < faces.len()).then_some(only)
-}
 
 #[cfg(test)]
 mod tests {

@@ -1,0 +1,212 @@
+//! What keys do, without a window.
+
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+use vestibule_explore::{Action, Explorer, Held, NamedPlace, Overlay, Show, middle_of};
+use vestibule_view::{CameraMode, Command, FramePath};
+use vestibule_world::{CellId, Position, World};
+
+const SIZE: Vec2 = Vec2::new(320.0, 180.0);
+
+fn explorer() -> Explorer {
+    let compiled = vestibule_forge::embedded_world().unwrap();
+    let world = World::open(compiled.memory_records()).unwrap();
+    let names = compiled.cell_names.iter().filter_map(|(&cell, name)| {
+        Some(NamedPlace {
+            name: name.clone(),
+            position: middle_of(&world, cell)?,
+        })
+    });
+    let names = names.collect();
+    Explorer::new(Arc::new(world), names, compiled.start.unwrap()).unwrap()
+}
+
+fn hold(explorer: &mut Explorer, held: Held, seconds: f32) {
+    for _ in 0..(seconds * 30.0) as u32 {
+        explorer.tick(&held, 1.0 / 30.0, SIZE);
+    }
+}
+
+const FORWARD: Held = Held {
+    forward: true,
+    back: false,
+    left: false,
+    right: false,
+    turn_left: false,
+    turn_right: false,
+    slow: false,
+    jump: false,
+    down: false,
+};
+
+#[test]
+fn the_forward_key_walks_through_the_cottage_door() {
+    let mut e = explorer();
+    hold(&mut e, Held::default(), 0.5);
+    assert_eq!(e.frame().path(), FramePath::Outdoors);
+    let mut seen = vec![e.player_cell()];
+    for _ in 0..30 {
+        hold(&mut e, FORWARD, 0.1);
+        if seen.last() != Some(&e.player_cell()) {
+            seen.push(e.player_cell());
+        }
+    }
+    let indoors: Vec<_> = seen.iter().filter(|c| c.is_indoor()).collect();
+    assert!(indoors.len() >= 2, "vestibule, then hall: {seen:?}");
+    assert_ne!(e.frame().path(), FramePath::Outdoors);
+    assert!(e.viewer().is_some_and(|v| v.cell.is_some()));
+}
+
+#[test]
+fn a_closed_door_stops_the_player_and_an_open_one_does_not() {
+    let mut e = explorer();
+    e.teleport("0xA9B40101 [155.4 13.0 94.0]");
+    hold(&mut e, Held::default(), 0.3);
+    e.act(Action::Door);
+    assert_eq!(e.message(), Some("the door is closed"));
+    hold(&mut e, Held::default(), 0.1);
+    // The static leaf that stands open is hidden, the body is drawn.
+    assert_eq!(e.population().len(), 2);
+    let before = e.player_cell();
+    let mut north = *e.body().unwrap().position();
+    north.frame.set_rotation(glam::Quat::IDENTITY);
+    e.go_to(&north);
+    hold(&mut e, FORWARD, 1.5);
+    assert_eq!(e.player_cell(), before, "held by the door");
+    e.act(Action::Door);
+    assert_eq!(e.message(), Some("the door is open"));
+    hold(&mut e, FORWARD, 2.5);
+    assert!(
+        !e.player_cell().is_indoor(),
+        "out on the meadow: {}",
+        e.player_cell()
+    );
+}
+
+#[test]
+fn nowhere_is_a_message_and_changes_nothing() {
+    let mut e = explorer();
+    let before = *e.body().unwrap().position();
+    for text in [
+        "nowhere at all",
+        "0x00010001 [1 2 3]",
+        "0xA9B40031 [1e30 0 0]",
+        "999N, 999E",
+        "",
+    ] {
+        e.teleport(text);
+        assert!(e.message().is_some(), "{text}");
+        assert!(e.body().unwrap().position().same_as(&before), "{text}");
+    }
+    e.go_to(&Position::new(CellId(0xA9B4_FFF0), Vec3::ZERO));
+    assert!(e.body().unwrap().position().same_as(&before));
+}
+
+#[test]
+fn absurd_screens_times_and_mice_are_survived() {
+    let mut e = explorer();
+    for size in [
+        Vec2::ZERO,
+        Vec2::new(0.0, 900.0),
+        Vec2::NAN,
+        Vec2::new(1.0, 1.0),
+        Vec2::new(30_000.0, 2.0),
+        Vec2::new(f32::INFINITY, 1.0),
+    ] {
+        for dt in [0.0, -1.0, f32::NAN, 1.0e9] {
+            e.tick(&FORWARD, dt, size);
+        }
+        e.look(Vec2::NAN);
+        e.look(Vec2::splat(1.0e6));
+        e.zoom(f32::NAN);
+        e.pick(Vec2::splat(-5.0));
+        e.marks();
+    }
+    e.tick(&Held::default(), 0.03, SIZE);
+    assert!(e.camera().is_some());
+}
+
+#[test]
+fn zooming_in_ends_in_the_head_and_out_again_behind_it() {
+    let mut e = explorer();
+    hold(&mut e, Held::default(), 0.1);
+    for _ in 0..20 {
+        e.zoom(1.0);
+    }
+    hold(&mut e, Held::default(), 0.5);
+    assert_eq!(e.scene().player_opacity, 0.0);
+    e.zoom(-1.0);
+    hold(&mut e, Held::default(), 0.5);
+    assert!(e.scene().player_opacity > 0.5);
+    assert_eq!(CameraMode::default(), CameraMode::Chase);
+}
+
+#[test]
+fn a_held_traversal_stays_while_the_camera_flies() {
+    let mut e = explorer();
+    e.teleport("cottage.hall");
+    hold(&mut e, Held::default(), 0.5);
+    let listed = e.frame().commands().len();
+    e.act(Action::Freeze);
+    assert!(e.is_frozen());
+    let before = e.camera().unwrap().eye();
+    let back = Held {
+        back: true,
+        jump: true,
+        ..Held::default()
+    };
+    hold(&mut e, back, 1.0);
+    assert!((e.camera().unwrap().eye() - before).length() > 3.0);
+    assert_eq!(e.frame().commands().len(), listed);
+    let bound = |c: &&Command| {
+        matches!(
+            c,
+            Command::Seal { .. } | Command::Punch { .. } | Command::ClearDepth
+        )
+    };
+    assert_eq!(e.commands().iter().filter(bound).count(), 0);
+    for k in 0..5 {
+        e.act(Action::Overlay(k));
+        assert!(!e.marks().is_empty(), "{}", Overlay::ALL[k].name());
+    }
+    e.act(Action::Freeze);
+    assert!(!e.is_frozen());
+}
+
+#[test]
+fn every_way_of_showing_has_commands() {
+    let mut e = explorer();
+    e.teleport("cottage.hall");
+    hold(&mut e, Held::default(), 0.2);
+    let rooms = |e: &Explorer| {
+        let room = |c: &&Command| matches!(c, Command::Room { .. });
+        e.commands().iter().filter(room).count()
+    };
+    let reached = rooms(&e);
+    e.act(Action::SingleCell);
+    hold(&mut e, Held::default(), 0.1);
+    assert_eq!((e.show, rooms(&e)), (Show::SingleCell, 1));
+    e.act(Action::Everything);
+    hold(&mut e, Held::default(), 0.1);
+    assert!(rooms(&e) > reached);
+    e.act(Action::Everything);
+    assert_eq!(e.show, Show::Reached);
+}
+
+#[test]
+fn hours_go_round_and_escape_leaves_step_by_step() {
+    let mut e = explorer();
+    for _ in 0..24 {
+        e.act(Action::Time(1));
+    }
+    assert!((e.time_of_day - 0.5).abs() < 1.0e-4);
+    e.act(Action::Help);
+    e.act(Action::Teleport);
+    for _ in 0..2 {
+        e.act(Action::Escape);
+        assert!(!e.wants_to_leave);
+    }
+    e.act(Action::Escape);
+    assert!(e.wants_to_leave);
+}
