@@ -69,9 +69,11 @@ fn every_subcommand_has_examples_and_they_run() {
         args.push("--help");
         let help = sandbox.run(&args).ok().out;
         let examples = examples(&help);
+        // Of what opens a window only the rest can be run here.
+        let enough = if help.contains("Opens a window:") { 1 } else { 2 };
         let is_group = help.contains("\nCommands:\n");
         assert!(
-            is_group || examples.len() >= 2,
+            is_group || examples.len() >= enough,
             "{words:?} shows {} examples",
             examples.len()
         );
