@@ -59,6 +59,7 @@ mod scene;
 mod shade;
 mod sky;
 mod terrain_paint;
+mod texel;
 mod texture;
 
 pub use assets::{AssetCounters, Assets, ObjectLight};
