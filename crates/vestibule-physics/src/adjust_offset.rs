@@ -41,7 +41,7 @@ impl Transition<'_, '_> {
 }
 
 /// An offset bent by the plane stood on, with normal `n`, and the wall slid along, if any.
-#[inline]
+#[inline(always)]
 pub(crate) fn along_planes(v: Vec3, n: Vec3, wall: Option<Vec3>) -> Vec3 {
     let k = v.dot(n);
     if let Some(s) = wall {

@@ -71,7 +71,7 @@ impl Transition<'_, '_> {
             back - self.path.block_offset_curr_check()
         };
         self.path.add_offset_to_check_pos(back);
-        self.step_down(h, z);
+        self.step_down_onto_walkable(h, z);
     }
 
     /// Slides along the edge of the polygon last stood on.

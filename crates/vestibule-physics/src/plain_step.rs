@@ -93,20 +93,36 @@ impl Candidate {
     /// Whether a moving insertion into the cell finds nothing.
     #[inline(always)]
     fn is_clear(&self, cell: &EnvCell) -> bool {
-        if self.spheres().iter().all(|s| cell.hints.certainly_clear(s)) {
-            return true;
-        }
+        self.is_in_the_open(cell) || self.overlaps_nothing(cell)
+    }
+
+    /// Whether the cell's box of open space holds all spheres.
+    #[inline(always)]
+    fn is_in_the_open(&self, cell: &EnvCell) -> bool {
+        let [foot, head] = &self.spheres;
+        cell.hints.certainly_clear(foot) && (self.count < 2 || cell.hints.certainly_clear(head))
+    }
+
+    #[inline(never)]
+    fn overlaps_nothing(&self, cell: &EnvCell) -> bool {
         let Some(bsp) = &cell.structure.physics else {
             return true;
         };
         (0..self.count).all(|i| bsp_tree::overlaps_nothing(bsp, &self.local(cell, i)))
     }
 
-    /// Whether a placement insertion into the cell finds nothing.
-    #[inline(always)]
-    fn is_placeable(&self, cell: &EnvCell) -> bool {
-        if cell.hints.open_is_hollow() && self.spheres().iter().all(|s| cell.hints.certainly_clear(s)) {
-            return true;
+    /// Whether the rest of a step down by `h` onto a floor finds nothing: another attempt, with `interp` left, and
+    /// the placement insertion.
+    #[inline(never)]
+    fn rests(&self, cell: &EnvCell, h: f32, interp: f32, z: f32) -> bool {
+        if !cell.hints.certainly_clear(&self.spheres[0])
+            && let Some(bsp) = &cell.structure.physics
+        {
+            let mut again = search_below(cell, self, h, interp, z);
+            bsp_tree::find_walkable(bsp, &mut again);
+            if again.found.is_some() {
+                return false;
+            }
         }
         let Some(bsp) = &cell.structure.physics else {
             return true;
@@ -165,16 +181,8 @@ pub(crate) fn find_open_floor(
     }
     let offset = frame.local_to_global_vec(search.sphere.center - local.center);
     lowered.shift(offset);
-    // The next attempt must find nothing more to stand on.
-    let foot = lowered.spheres[0];
-    if !cell.hints.certainly_clear(&foot) {
-        let mut again = search_below(cell, lowered, h, search.walk_interp, z);
-        bsp_tree::find_walkable(bsp, &mut again);
-        if again.found.is_some() {
-            return None;
-        }
-    }
-    if !lowered.is_placeable(cell) {
+    let in_the_open = cell.hints.open_is_hollow() && lowered.is_in_the_open(cell);
+    if !in_the_open && !lowered.rests(cell, h, search.walk_interp, z) {
         return None;
     }
     let point = Vec3::ZERO + frame.local_to_global(face.plane.normal * -face.plane.d);

@@ -37,9 +37,11 @@ impl Transition<'_, '_> {
 
     /// Lowers the candidate by `h` and lets ground lift it again. Nothing is restored on failure (5.8).
     pub(crate) fn step_down(&mut self, h: f32, z: f32) -> bool {
-        if self.step_down_in_the_open(h, z) {
-            return true;
-        }
+        self.step_down_in_the_open(h, z) || self.step_down_onto_walkable(h, z)
+    }
+
+    /// As [`Transition::step_down`], leaving the polygon stood on to be read.
+    pub(crate) fn step_down_onto_walkable(&mut self, h: f32, z: f32) -> bool {
         self.path.neg_poly_hit = None;
         self.path.step_down = true;
         self.path.step_down_amt = h;
@@ -100,7 +102,7 @@ impl Transition<'_, '_> {
     }
 
     /// As [`Transition::step_down`] where the candidate certainly comes to rest on a floor of its own room, in open
-    /// space; otherwise nothing is done.
+    /// space; otherwise nothing is done. The polygon stood on is not noted.
     fn step_down_in_the_open(&mut self, h: f32, z: f32) -> bool {
         let Some(CellRef::Env { cell, block }) = self.path.check_cell else {
             return false;

@@ -133,9 +133,14 @@ fn some_mover(draws: &mut Draws) -> Mover {
     mover
 }
 
+/// Another sequence of draws, for longer searches: `VESTIBULE_SEED`, else 0.
+fn seed() -> u64 {
+    std::env::var("VESTIBULE_SEED").map_or(0, |seed| seed.parse().unwrap())
+}
+
 /// Chains of sweeps from random places, each made in both worlds.
 fn compare(name: &str, pair: &Pair, chains: u32, settings: Settings) {
-    let mut draws = Draws(0x9E37_79B9_7F4A_7C15 ^ name.len() as u64);
+    let mut draws = Draws(0x9E37_79B9_7F4A_7C15 ^ (name.len() as u64 + seed() * 0x1234_5678_9ABC));
     let mut populations = [
         Population::with_settings(settings),
         Population::with_settings(settings),

@@ -75,7 +75,7 @@ impl Frame {
     }
 
     /// A local direction in the enclosing frame (retail `localtoglobalvec`).
-    #[inline]
+    #[inline(always)]
     pub fn local_to_global_vec(&self, v: Vec3) -> Vec3 {
         let [a, b, c] = &self.rows;
         Vec3::new(
