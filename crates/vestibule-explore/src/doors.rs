@@ -2,16 +2,23 @@
 //! its opening and hides the static one.
 
 use glam::{Quat, Vec3};
-use vestibule_physics::{Body, BodyId, Population, Scratch};
+use vestibule_physics::{Body, BodyId, ObjectRef, Population, Scratch};
 use vestibule_world::{Frame, Position, StaticObject, StaticRef, World};
 
 /// Farthest door that can be reached, metres.
 const REACH: f32 = 3.0;
 
-/// The doors that were closed.
+/// The doors that were closed at some time.
 #[derive(Debug, Default)]
 pub struct Doors {
-    closed: Vec<(StaticRef, BodyId)>,
+    list: Vec<Door>,
+}
+
+#[derive(Debug)]
+struct Door {
+    leaf: StaticRef,
+    body: BodyId,
+    closed: bool,
 }
 
 /// What became of a door.
@@ -28,9 +35,12 @@ pub enum DoorOutcome {
 }
 
 impl Doors {
-    /// Whether the static object of a door is hidden, because its body stands in the opening.
-    pub fn hides(&self, id: StaticRef) -> bool {
-        self.closed.iter().any(|(r, _)| *r == id)
+    /// Whether an object is not drawn: the static leaf of a closed door, the body of an open one.
+    pub fn hides(&self, id: ObjectRef) -> bool {
+        self.list.iter().any(|d| match id {
+            ObjectRef::Static(r) => d.closed && d.leaf == r,
+            ObjectRef::Body(b) => !d.closed && d.body == b,
+        })
     }
 
     /// Opens or closes the nearest door within reach of a position.
@@ -44,12 +54,19 @@ impl Doors {
         let Some((id, object, frame)) = nearest(world, at) else {
             return DoorOutcome::None;
         };
-        if let Some(k) = self.closed.iter().position(|(r, _)| *r == id) {
-            let (_, body) = self.closed.remove(k);
-            population.set_ethereal(world, scratch, body, true);
-            population.leave_world(body);
-            population.remove(body);
-            return DoorOutcome::Opened;
+        if let Some(door) = self.list.iter_mut().find(|d| d.leaf == id) {
+            if door.closed {
+                population.set_ethereal(world, scratch, door.body, true);
+                door.closed = false;
+                return DoorOutcome::Opened;
+            }
+            door.closed = population.set_ethereal(world, scratch, door.body, false);
+            if !door.closed {
+                // It is not to fall shut by itself later.
+                population.set_ethereal(world, scratch, door.body, true);
+                return DoorOutcome::Blocked;
+            }
+            return DoorOutcome::Closed;
         }
         let Ok(body) = Body::new(object.shape.clone(), 1.0) else {
             return DoorOutcome::None;
@@ -61,14 +78,21 @@ impl Doors {
         };
         // Ethereal until it is seen that nobody stands in it (`transition.md` 9.3.1).
         population.set_ethereal(world, scratch, body, true);
-        let placed = population.force_into_cell(world, scratch, body, &position);
-        if placed && population.set_ethereal(world, scratch, body, false) {
-            self.closed.push((id, body));
-            return DoorOutcome::Closed;
+        population.force_into_cell(world, scratch, body, &position);
+        let closed = population.set_ethereal(world, scratch, body, false);
+        if !closed {
+            population.set_ethereal(world, scratch, body, true);
         }
-        population.leave_world(body);
-        population.remove(body);
-        DoorOutcome::Blocked
+        self.list.push(Door {
+            leaf: id,
+            body,
+            closed,
+        });
+        if closed {
+            DoorOutcome::Closed
+        } else {
+            DoorOutcome::Blocked
+        }
     }
 }
 
@@ -160,6 +184,5 @@ mod tests {
         assert_eq!(toggle(&at), DoorOutcome::Opened);
         let far = Position::new(CellId(0xA9B4_0001), Vec3::new(5.0, 5.0, 94.0));
         assert_eq!(toggle(&far), DoorOutcome::None);
-        assert!(population.is_empty());
     }
 }

@@ -127,8 +127,10 @@ impl Explorer {
             wants_to_leave: false,
         };
         if !explorer.place(&start) {
-            let near = places::middle_of(&explorer.world, start.cell);
-            if !near.is_some_and(|p| explorer.place(&p)) {
+            let world = explorer.world.clone();
+            let mut near = places::spots(&world, start.cell);
+            near.extend(places::middle_of(&world, start.cell));
+            if !near.iter().any(|p| explorer.place(p)) {
                 return Err(ExploreError::NoStart(format!("nobody can stand at {start}")));
             }
         }
@@ -220,6 +222,11 @@ impl Explorer {
 
     /// Goes to a position, or tells why not.
     pub fn go_to(&mut self, position: &Position) {
+        self.world.block(position.cell.block());
+        if !self.world.is_resident(position.cell) {
+            self.tell(format!("there is no cell {} in this world", position.cell));
+            return;
+        }
         if self.place(position) {
             self.fly = None;
             let cell = self.player_cell();
@@ -227,12 +234,19 @@ impl Explorer {
             self.tell(format!("now in {cell}{name}"));
             return;
         }
-        let middle = places::middle_of(&self.world, position.cell);
-        if middle.is_some_and(|p| p.same_as(position) || !self.place(&p)) || middle.is_none() {
+        let world = self.world.clone();
+        let spots = places::spots(&world, position.cell);
+        if !spots.iter().any(|spot| self.place(spot)) {
             self.tell(format!(
                 "nobody can stand at {position}: nothing there, or it is taken"
             ));
+            return;
         }
+        self.fly = None;
+        self.tell(format!(
+            "that place is taken; now beside it, in {}",
+            self.player_cell()
+        ));
     }
 
     /// Turns by a drag of the mouse in pixels.
@@ -500,8 +514,7 @@ impl Explorer {
             }
         }
         let doors = &self.doors;
-        commands
-            .retain(|c| !matches!(c, Command::Object { id: ObjectRef::Static(r), .. } if doors.hides(*r)));
+        commands.retain(|c| !matches!(c, Command::Object { id, .. } if doors.hides(*id)));
         self.commands = commands;
     }
 
@@ -605,8 +618,7 @@ impl Explorer {
             _ => FrameInput::new(camera),
         };
         let doors = &self.doors;
-        let hidden =
-            |c: &Command| matches!(c, Command::Object { id: ObjectRef::Static(r), .. } if doors.hides(*r));
+        let hidden = |c: &Command| matches!(c, Command::Object { id, .. } if doors.hides(*id));
         let found = pick(&self.scene(), &self.openings, &input, hidden, pixel);
         self.picked = found;
     }

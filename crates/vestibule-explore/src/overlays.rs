@@ -117,7 +117,20 @@ impl<'a> Marks<'a> {
     pub fn polygon(&mut self, corners: &[Vec3], line: [u8; 4], width: f32, fill: [u8; 4]) {
         if fill[3] > 0 {
             let points = self.ahead(corners);
-            if points.len() >= 3 {
+            // An area all over the screen would only tint it.
+            let size = self.camera.viewport();
+            let covers = |x: f32, y: f32| {
+                (0..points.len()).all(|k| {
+                    let (a, b) = (points[k], points[(k + 1) % points.len()]);
+                    (b - a).perp_dot(Vec2::new(x, y) - a) >= 0.0
+                }) || (0..points.len()).all(|k| {
+                    let (a, b) = (points[k], points[(k + 1) % points.len()]);
+                    (b - a).perp_dot(Vec2::new(x, y) - a) <= 0.0
+                })
+            };
+            let everywhere =
+                covers(0.0, 0.0) && covers(size.x, 0.0) && covers(0.0, size.y) && covers(size.x, size.y);
+            if points.len() >= 3 && !everywhere {
                 self.list.push(Mark::Area { points, color: fill });
             }
         }
@@ -235,17 +248,11 @@ impl<'a> Marks<'a> {
         }
         // Doors of buildings seen from outdoors.
         for look_in in frame.look_ins().list() {
-            let block = world.loaded_block(look_in.block);
-            let building = block.and_then(|b| b.buildings.get(look_in.building as usize));
-            let (Some(building), Some(camera)) = (building, frame.camera()) else {
-                continue;
-            };
-            if core::ptr::eq(camera, self.camera) || camera.eye() == self.camera.eye() {
+            if judge.eye() == self.camera.eye() {
                 let region = frame.look_ins().punch(look_in);
                 let corners: Vec<Vec3> = region.edges().iter().map(|e| e.corner).collect();
                 self.polygon(&corners, [90, 255, 220, 255], 3.0, [90, 255, 220, 40]);
             }
-            let _ = building;
         }
     }
 

@@ -364,7 +364,6 @@ fn draw_list(ui: &mut Ui, explorer: &mut Explorer) {
     let odd = [
         ("dead portals", c.flood.dead_portals),
         ("dead doors", c.dead_doors),
-        ("missing blocks", c.missing_blocks),
         ("truncated", c.truncated),
     ];
     let odd: Vec<String> = odd
@@ -479,7 +478,10 @@ fn notices(context: &Context, explorer: &Explorer) {
             .fill(Color32::from_black_alpha(190))
             .corner_radius(4.0)
             .inner_margin(8.0)
-            .show(ui, |ui| ui.label(RichText::new(text).size(15.0)));
+            .show(ui, |ui| {
+                ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
+                ui.label(RichText::new(text).size(15.0))
+            });
     });
 }
 

@@ -70,7 +70,9 @@ pub fn find(world: &World, names: &[NamedPlace], text: &str) -> Result<Position,
 
 fn usable(world: &World, position: Position) -> Result<Position, PlaceError> {
     let block = world.block(position.cell.block());
-    if block.is_some() && position.is_finite() {
+    // Landblocks measure 192 m; a kilometre beside one is a slip of the pen.
+    let near = position.is_finite() && position.origin().abs().max_element() < 1000.0;
+    if block.is_some() && near {
         Ok(position)
     } else {
         Err(PlaceError::NoCell(position.cell))
@@ -82,22 +84,9 @@ pub fn middle_of(world: &World, cell: CellId) -> Option<Position> {
     world.block(cell.block())?;
     if let Some(room) = world.env_cell(cell) {
         let b = room.structure.bounds?;
-        let middle = (b.min + b.max) * 0.5;
-        // Rooms are seldom boxes: take what is inside, from the middle outwards.
-        for k in 0..25 {
-            let step = |k: i32| ((k + 1) / 2) as f32 * if k % 2 == 0 { 0.2 } else { -0.2 };
-            let half = (b.max - b.min) * 0.5;
-            let mut p = middle;
-            p.x += step(k % 5) * half.x;
-            p.y += step(k / 5) * half.y;
-            p.z = b.min.z + 0.5;
-            let at = room.frame.local_to_global(p);
-            if room.contains_point(at) {
-                let down = room.frame.local_to_global(p - glam::Vec3::Z * 0.48);
-                return Some(Position::new(cell, down));
-            }
-        }
-        return Some(Position::new(cell, room.frame.local_to_global(middle)));
+        let middle = room.frame.local_to_global((b.min + b.max) * 0.5);
+        let first = spots(world, cell).first().copied();
+        return Some(first.unwrap_or_else(|| Position::new(cell, middle)));
     }
     let land = world.land_cell(cell)?;
     let corners = land.polygons.iter().flat_map(|p| p.vertices);
@@ -105,6 +94,25 @@ pub fn middle_of(world: &World, cell: CellId) -> Option<Position> {
     let mut middle = sum / 6.0;
     middle.z = world.ground_at(cell, middle).map_or(middle.z, |g| g.z);
     Some(Position::new(cell, middle))
+}
+
+/// Points of a room at its floor, from the middle outwards: furniture and stairs may stand on some.
+pub(crate) fn spots(world: &World, cell: CellId) -> Vec<Position> {
+    let Some((room, b)) = world.env_cell(cell).and_then(|c| Some((c, c.structure.bounds?))) else {
+        return Vec::new();
+    };
+    let (middle, half) = ((b.min + b.max) * 0.5, (b.max - b.min) * 0.5);
+    let step = |k: i32| ((k + 1) / 2) as f32 * if k % 2 == 0 { 0.21 } else { -0.21 };
+    // Rooms are seldom boxes: only what is inside.
+    let spot = |k: i32| {
+        let ring = [(k % 7), (k / 7)];
+        let p = middle + glam::Vec3::new(step(ring[0]) * half.x, step(ring[1]) * half.y, 0.0);
+        let p = glam::Vec3::new(p.x, p.y, b.min.z + 0.5);
+        let at = room.frame.local_to_global(p);
+        let down = room.frame.local_to_global(p - glam::Vec3::Z * 0.48);
+        room.contains_point(at).then(|| Position::new(cell, down))
+    };
+    (0..49).filter_map(spot).collect()
 }
 
 #[cfg(test)]

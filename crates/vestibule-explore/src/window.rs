@@ -222,7 +222,13 @@ impl App {
         if let Phase::Exploring(explorer) = &mut self.phase {
             let begin = Instant::now();
             let viewport = Vec2::new(picture.0 as f32, picture.1 as f32);
-            explorer.tick(&self.held, dt, viewport);
+            // Slow frames are walked through in several steps, or doors would be missed.
+            let mut left = if dt < 1.0 { dt } else { 1.0 };
+            while left > 0.1 {
+                explorer.tick(&self.held, 0.1, viewport);
+                left -= 0.1;
+            }
+            explorer.tick(&self.held, left, viewport);
             self.times.decide = begin.elapsed().as_secs_f32();
         }
         let input = open.input.take_egui_input(&open.window);
@@ -332,8 +338,24 @@ impl App {
         let Phase::Exploring(explorer) = &mut self.phase else {
             return;
         };
-        if explorer.typing.is_some() {
+        if let Some(typed) = &mut explorer.typing {
             self.held = Held::default();
+            // Keys that are faster than the panel that is to take them.
+            let taken = self
+                .open
+                .as_ref()
+                .is_some_and(|o| o.context.egui_wants_keyboard_input());
+            if !taken && down {
+                match (&event.text, name.as_str()) {
+                    (_, "Enter") => {
+                        let typed = core::mem::take(typed);
+                        explorer.typing = None;
+                        explorer.teleport(&typed);
+                    }
+                    (Some(text), _) if !text.chars().any(char::is_control) => typed.push_str(text),
+                    _ => {}
+                }
+            }
             return;
         }
         if !self.held.set(&name, down)

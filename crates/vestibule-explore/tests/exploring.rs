@@ -72,15 +72,23 @@ fn a_closed_door_stops_the_player_and_an_open_one_does_not() {
     let mut north = *e.body().unwrap().position();
     north.frame.set_rotation(glam::Quat::IDENTITY);
     e.go_to(&north);
+    assert!(e.body().unwrap().position().same_as(&north), "{:?}", e.message());
     hold(&mut e, FORWARD, 1.5);
     assert_eq!(e.player_cell(), before, "held by the door");
     e.act(Action::Door);
     assert_eq!(e.message(), Some("the door is open"));
+    // Who pushes straight against something keeps sliding along it until it steps back (`transition.md` 4).
+    let back = Held {
+        back: true,
+        ..Held::default()
+    };
+    hold(&mut e, back, 0.3);
     hold(&mut e, FORWARD, 2.5);
     assert!(
         !e.player_cell().is_indoor(),
-        "out on the meadow: {}",
-        e.player_cell()
+        "out on the meadow: {} {:?}",
+        e.player_cell(),
+        e.body().map(|b| b.position().to_string())
     );
 }
 

@@ -397,8 +397,6 @@ impl<'a> Collector<'a> {
         list.sort_unstable();
         let low = Vec3::new(0.0, 0.0, -self.settings.terrain_offset);
         let lowered = Frame::new(low, glam::Quat::IDENTITY);
-        let mut key = self.opaque(Kind::Terrain);
-        key.cull = if self.settings.cull_terrain { 0 } else { 2 };
         let mut rest = list.as_slice();
         while let Some(&(block, stride, _)) = rest.first() {
             let end = rest.partition_point(|c| (c.0, c.1) == (block, stride));
@@ -413,32 +411,47 @@ impl<'a> Collector<'a> {
                 self.stats.missing += 1;
                 continue;
             }
-            let first = self.items.ranges.len() as u32;
+            let plain = store.ground.land((block, stride)).map_or(0, |l| l.plain);
+            let mut wanted = 0u64;
             for &(.., cell) in cells {
-                let range = match cell {
-                    64 => (0, 64 * PER_CELL),
-                    k => (k * PER_CELL, (k + 1) * PER_CELL),
-                };
-                self.stats.triangles += (range.1 - range.0) / 3;
-                match self.items.ranges[first as usize..].last_mut() {
-                    Some(last) if last.1 >= range.0 => last.1 = last.1.max(range.1),
-                    _ => self.items.ranges.push(range),
-                }
+                wanted |= if cell == 64 { u64::MAX } else { 1 << cell };
             }
             let mut draw = DrawUniform::zeroed();
             draw.rows = self.eye.place(block, &lowered, Vec3::ONE).rows();
             let draw = self.items.draws.push(&draw);
-            let ranges = (first, self.items.ranges.len() as u32);
-            self.stats.draws += ranges.1 - ranges.0;
-            self.items.list.push(Item::Terrain {
-                key,
-                land: (block, stride),
-                ranges,
-                draw,
-            });
+            for (is_plain, cells) in [(true, wanted & plain), (false, wanted & !plain)] {
+                self.ground_item(is_plain, cells, (block, stride), draw);
+            }
         }
         list.clear();
         self.items.ground = list;
+    }
+
+    /// Draws the land cells whose bits are set.
+    fn ground_item(&mut self, plain: bool, cells: u64, land: (BlockId, u8), draw: u32) {
+        if cells == 0 {
+            return;
+        }
+        let first = self.items.ranges.len() as u32;
+        let mut rest = cells;
+        while rest != 0 {
+            let from = rest.trailing_zeros();
+            let count = (rest >> from).trailing_ones();
+            let range = (from * PER_CELL, (from + count) * PER_CELL);
+            self.stats.triangles += count * PER_CELL / 3;
+            self.items.ranges.push(range);
+            rest &= u64::MAX.checked_shl(from + count).unwrap_or(0);
+        }
+        let ranges = (first, self.items.ranges.len() as u32);
+        self.stats.draws += ranges.1 - ranges.0;
+        let mut key = self.opaque(Kind::Terrain { plain });
+        key.cull = if self.settings.cull_terrain { 0 } else { 2 };
+        self.items.list.push(Item::Terrain {
+            key,
+            land,
+            ranges,
+            draw,
+        });
     }
 
     // Meshes.

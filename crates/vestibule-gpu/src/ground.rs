@@ -12,7 +12,7 @@ use vestibule_world::terrain::vertex_index;
 use vestibule_world::{BlockId, CellId, World};
 
 use crate::meshes::filled;
-use crate::textures::{KEPT_FRAMES, extent, fitting, sampler, sampler_entry, texture_entry, write};
+use crate::textures::{KEPT_FRAMES, Sampling, extent, fitting, sampler, sampler_entry, texture_entry, write};
 
 /// Terrain textures, and blend maps, that fit into the six bits of a layer.
 const MAX_LAYERS: usize = 63;
@@ -45,6 +45,8 @@ pub(crate) const PER_CELL: u32 = 6;
 pub(crate) struct GpuLand {
     source: Arc<LandMesh>,
     pub(crate) vertices: wgpu::Buffer,
+    /// One bit a land cell: it shows its base texture and nothing else.
+    pub(crate) plain: u64,
     used: u64,
 }
 
@@ -54,7 +56,7 @@ pub(crate) struct Ground {
     pub(crate) layout: wgpu::BindGroupLayout,
     paint: Option<Paint>,
     lands: HashMap<(BlockId, u8), GpuLand>,
-    reference: bool,
+    sampling: Sampling,
 }
 
 #[derive(Debug)]
@@ -66,7 +68,7 @@ struct Paint {
 }
 
 impl Ground {
-    pub(crate) fn new(device: &wgpu::Device, reference: bool) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, sampling: Sampling) -> Self {
         let array = wgpu::TextureViewDimension::D2Array;
         Ground {
             layout: device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
@@ -80,7 +82,7 @@ impl Ground {
             }),
             paint: None,
             lands: HashMap::new(),
-            reference,
+            sampling,
         }
     }
 
@@ -120,13 +122,7 @@ impl Ground {
             .is_some_and(|p| Arc::ptr_eq(&p.source, &terrain))
         {
             self.lands.clear();
-            self.paint = Some(Paint::upload(
-                device,
-                queue,
-                &self.layout,
-                terrain,
-                self.reference,
-            ));
+            self.paint = Some(Paint::upload(device, queue, &self.layout, terrain, self.sampling));
         }
         if let Some(found) = self.lands.get_mut(&(block, stride))
             && Arc::ptr_eq(&found.source, &land)
@@ -138,7 +134,13 @@ impl Ground {
         let Some(corners) = corners(world, block, &land, stride, paint) else {
             return false;
         };
+        let is_plain = |(k, p): (usize, &CellPaint)| {
+            let plain = p.overlays.is_empty() && p.roads.is_empty();
+            u64::from(plain) << (k & 63)
+        };
+        let plain = land.paint.iter().enumerate().map(is_plain).fold(0, |a, b| a | b);
         let made = GpuLand {
+            plain,
             source: land,
             vertices: filled(device, wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&corners)),
             used: frame,
@@ -225,7 +227,7 @@ impl Paint {
         queue: &wgpu::Queue,
         layout: &wgpu::BindGroupLayout,
         source: Arc<TerrainPaint>,
-        reference: bool,
+        sampling: Sampling,
     ) -> Self {
         let longest = device.limits().max_texture_dimension_2d;
         let pictures: Vec<&Arc<Texture>> = source.types().iter().map(|t| &t.texture).collect();
@@ -233,8 +235,8 @@ impl Paint {
         let (view, types) = array(device, queue, &pictures, longest, false);
         let (map_view, maps) = array(device, queue, &map_list, longest, true);
         let samplers = [
-            sampler(device, wgpu::AddressMode::Repeat, reference),
-            sampler(device, wgpu::AddressMode::ClampToEdge, true),
+            sampler(device, wgpu::AddressMode::Repeat, sampling),
+            sampler(device, wgpu::AddressMode::ClampToEdge, Sampling::Reference),
         ];
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {

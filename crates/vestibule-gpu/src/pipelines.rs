@@ -20,8 +20,8 @@ pub(crate) const ID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 pub(crate) enum Kind {
     /// A mesh, its light computed at each pixel or at its corners.
     Mesh { pixel_lit: bool },
-    /// The ground.
-    Terrain,
+    /// The ground; `plain` shows its base texture only.
+    Terrain { plain: bool },
     /// The sky.
     Sky,
     /// A punch or a seal: depth, whatever is there.
@@ -176,7 +176,7 @@ impl Pipelines {
         let (shader, layout, buffers): (usize, usize, &[Option<wgpu::VertexBufferLayout<'static>>]) =
             match key.kind {
                 Kind::Mesh { .. } => (0, 0, &[Some(meshes::CORNER_LAYOUT)]),
-                Kind::Terrain => (1, 1, &[Some(ground::CORNER_LAYOUT)]),
+                Kind::Terrain { .. } => (1, 1, &[Some(ground::CORNER_LAYOUT)]),
                 Kind::Sky => (2, 2, &[]),
                 Kind::Depth | Kind::Limit => (3, 2, &[Some(POINTS)]),
             };
@@ -186,10 +186,10 @@ impl Pipelines {
             cut,
             ("PIXEL_LIT", flag(key.kind == Kind::Mesh { pixel_lit: true })),
         ];
-        let terrain_constants = [cut];
+        let terrain_constants = [cut, ("PLAIN", flag(key.kind == Kind::Terrain { plain: true }))];
         let constants: &[(&str, f64)] = match key.kind {
             Kind::Mesh { .. } => &mesh_constants,
-            Kind::Terrain => &terrain_constants,
+            Kind::Terrain { .. } => &terrain_constants,
             _ => &[],
         };
         let options = wgpu::PipelineCompilationOptions {

@@ -11,13 +11,13 @@ use crate::meshes::Meshes;
 use crate::picture::Picture;
 use crate::pipelines::{Key, Kind, Pipelines};
 use crate::target::{Content, Target};
-use crate::textures::Textures;
+use crate::textures::{Sampling, Textures};
 use crate::uniforms::FrameUniform;
 
 /// How textures are sampled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filtering {
-    /// Mip levels are blended, slanted surfaces stay sharp: for looking at.
+    /// Mip levels are blended, and on adapters that do not draw in software slanted surfaces stay sharp: for looking at.
     #[default]
     Smooth,
     /// The mip level that the CPU renderer picks: for comparing with it.
@@ -70,9 +70,13 @@ impl Renderer {
             samples: if options.samples >= 4 { 4 } else { 1 },
             ..options
         };
-        let reference = options.filtering == Filtering::Reference;
-        let textures = Textures::new(device, reference);
-        let ground = Ground::new(device, reference);
+        let sampling = match options.filtering {
+            Filtering::Reference => Sampling::Reference,
+            Filtering::Smooth if gpu.is_software() => Sampling::Trilinear,
+            Filtering::Smooth => Sampling::Anisotropic,
+        };
+        let textures = Textures::new(device, sampling);
+        let ground = Ground::new(device, sampling);
         let pipelines = Pipelines::new(device, &textures.layout, &ground.layout, options.samples);
         let frame = || {
             device.create_buffer(&wgpu::BufferDescriptor {

@@ -30,13 +30,13 @@ pub(crate) struct Textures {
 pub(crate) const KEPT_FRAMES: u64 = 900;
 
 impl Textures {
-    pub(crate) fn new(device: &wgpu::Device, reference: bool) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, sampling: Sampling) -> Self {
         Textures {
             all: HashMap::new(),
             layout: layout(device),
             samplers: [
-                sampler(device, wgpu::AddressMode::ClampToEdge, reference),
-                sampler(device, wgpu::AddressMode::Repeat, reference),
+                sampler(device, wgpu::AddressMode::ClampToEdge, sampling),
+                sampler(device, wgpu::AddressMode::Repeat, sampling),
             ],
             longest: device.limits().max_texture_dimension_2d,
             bytes: 0,
@@ -156,8 +156,23 @@ pub(crate) fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, mip: u32, laye
     );
 }
 
-/// A sampler: the reference takes the nearest mip level, otherwise levels are blended and slanted surfaces stay sharp.
-pub(crate) fn sampler(device: &wgpu::Device, address: wgpu::AddressMode, reference: bool) -> wgpu::Sampler {
+/// How textures are sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sampling {
+    /// From the nearest mip level, as the CPU renderer does.
+    Reference,
+    /// Levels are blended.
+    Trilinear,
+    /// And slanted surfaces stay sharp: cheap in hardware, very slow in software.
+    Anisotropic,
+}
+
+/// A sampler with this way of addressing.
+pub(crate) fn sampler(
+    device: &wgpu::Device,
+    address: wgpu::AddressMode,
+    sampling: Sampling,
+) -> wgpu::Sampler {
     device.create_sampler(&wgpu::SamplerDescriptor {
         label: Some("picture"),
         address_mode_u: address,
@@ -165,12 +180,11 @@ pub(crate) fn sampler(device: &wgpu::Device, address: wgpu::AddressMode, referen
         address_mode_w: address,
         mag_filter: wgpu::FilterMode::Linear,
         min_filter: wgpu::FilterMode::Linear,
-        mipmap_filter: if reference {
-            wgpu::MipmapFilterMode::Nearest
-        } else {
-            wgpu::MipmapFilterMode::Linear
+        mipmap_filter: match sampling {
+            Sampling::Reference => wgpu::MipmapFilterMode::Nearest,
+            _ => wgpu::MipmapFilterMode::Linear,
         },
-        anisotropy_clamp: if reference { 1 } else { 16 },
+        anisotropy_clamp: if sampling == Sampling::Anisotropic { 16 } else { 1 },
         ..Default::default()
     })
 }

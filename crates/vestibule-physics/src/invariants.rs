@@ -304,7 +304,11 @@ proptest! {
     }
 
     #[test]
-    fn i14_walk_interp_only_falls_within_a_step_down((at, carried) in start(), depth in 0.04f32..1.5) {
+    fn i14_walk_interp_only_falls_within_a_step_down(
+        (anywhere, carried) in start(), over in (4.5f32..11.0, 4.0f32..12.0, 0.0f32..3.0), near: bool, depth in 0.04f32..1.5,
+    ) {
+        // Mostly over the platform and the step.
+        let at = if near { v(over.0, over.1, over.2) } else { anywhere };
         let mut rig = Rig::yard();
         let at = rig.stand(at);
         let mut t = rig.transition_at(&walker(), &carried, &at);

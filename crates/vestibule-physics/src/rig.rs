@@ -138,7 +138,11 @@ impl Rig {
         let front = records::Room::of_box(0x100, v(18.0, 18.0, -0.1), v(22.0, 23.0, 3.0))
             .opening(None, -1, false, &door)
             .opening(Some(0x101), 0, false, &between)
-            .walls(&[floor([18.0, 22.0])])
+            .walls(&[
+                floor([18.0, 22.0]),
+                // The frame of the door.
+                wall_facing_west(20.5, [17.8, 18.6], [0.0, 3.0]),
+            ])
             .stabs(&[0x101]);
         let back = records::Room::of_box(0x101, v(22.0, 18.0, -0.1), v(26.0, 23.0, 3.0))
             .opening(Some(0x100), 1, true, &between)

@@ -8,4 +8,5 @@ mod placement;
 mod sliding;
 mod spheres_and_cylinders;
 mod stepping;
+mod study_d16;
 mod terrain;

@@ -26,6 +26,9 @@
 //! # Ok(()) }
 //! ```
 //!
+//! What was measured and which test holds which rule is told in `docs/seamless.md`, `docs/rules.md` and
+//! `docs/defects.md` beside this crate.
+//!
 //! Colours are stored, lit and blended as 8-bit gamma-encoded values, as retail does (`rendering.md` 9.7). Depth is
 //! reversed. Missing surfaces and textures show as a magenta checker and are counted in [`AssetCounters`].
 
@@ -56,6 +59,7 @@ mod scene;
 mod shade;
 mod sky;
 mod terrain_paint;
+mod texel;
 mod texture;
 
 pub use assets::{AssetCounters, Assets, ObjectLight};

@@ -16,7 +16,8 @@ use crate::raster::scan::{Affine, Projection, Setup};
 use crate::scene::LightDetail;
 use crate::sky::{Daylight, Fog};
 use crate::terrain_paint::Way;
-use crate::texture::{TexelWalk, Texture};
+use crate::texel::TexelWalk;
+use crate::texture::Texture;
 
 /// Pixels of a row over which things are taken as linear.
 const STEP: u32 = 8;

@@ -8,7 +8,8 @@ use vestibule_world::texture_code::{blend_hash, quarter_turns, road_masks, terra
 use vestibule_world::{REGION_RECORD, World};
 
 use crate::assets::{Assets, rgb};
-use crate::texture::{DecodeAs, TexelWalk, Texture};
+use crate::texel::TexelWalk;
+use crate::texture::{DecodeAs, Texture};
 
 /// Terrain type of roads (`rendering.md` 11.4).
 const ROAD: usize = 32;

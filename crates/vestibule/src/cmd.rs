@@ -4,7 +4,7 @@ mod bench;
 mod build;
 mod conform;
 mod dat;
-#[cfg(feature = "explore")]
+#[cfg_attr(not(feature = "explore"), path = "cmd/no_explore.rs")]
 mod explore;
 mod id;
 mod inspect;
@@ -33,7 +33,6 @@ pub(crate) enum Command {
     Refs(refs::Args),
     Visible(visible::Args),
     Render(render::Args),
-    #[cfg(feature = "explore")]
     Explore(explore::Args),
     Walk(walk::Args),
     Replay(replay::Args),
@@ -57,7 +56,6 @@ impl Command {
             Command::Build(args) => build::run(args, context),
             Command::Visible(args) => visible::run(args, context),
             Command::Render(args) => render::run(args, context),
-            #[cfg(feature = "explore")]
             Command::Explore(args) => explore::run(args, context),
             Command::Bench(command) => command.run(context),
             Command::Walk(args) => walk::run(args, context),

@@ -65,6 +65,12 @@ fn every_subcommand_has_examples_and_they_run() {
     sandbox.run(&["tour", "--stand", "1", "--no-pictures"]).ok();
     let mut ran = BTreeSet::new();
     for words in subcommands(&sandbox) {
+        if words == ["explore"] && cfg!(not(feature = "explore")) {
+            let refused = sandbox.run(&["explore", "--cpu"]);
+            assert_eq!(refused.code, Some(1));
+            refused.says(&["without the window", "--features explore"]);
+            continue;
+        }
         let mut args: Vec<&str> = words.iter().map(String::as_str).collect();
         args.push("--help");
         let help = sandbox.run(&args).ok().out;

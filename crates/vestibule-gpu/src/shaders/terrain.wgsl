@@ -1,6 +1,8 @@
 // The ground: terrain textures, blend maps and roads (`rendering.md` 11.5, 12.4).
 
 override CUT: bool = false;
+// The base texture is all there is: most land cells.
+override PLAIN: bool = false;
 
 @group(1) @binding(0) var<uniform> draw: Draw;
 @group(2) @binding(0) var pictures: texture_2d_array<f32>;
@@ -93,16 +95,18 @@ fn color(seen: Seen) -> @location(0) vec4<f32> {
         discard;
     }
     var c = sample_type(seen.layers.x, seen.uv, cover, dx, dy);
-    for (var k = 1; k < 4; k++) {
-        let layer = seen.layers[k];
-        let a = below(layer, seen.uv);
-        if (a < 1.0) {
-            c = mix(sample_type(layer, seen.uv, cover, dx, dy), c, a);
+    if (!PLAIN) {
+        for (var k = 1; k < 4; k++) {
+            let layer = seen.layers[k];
+            let a = below(layer, seen.uv);
+            if (a < 1.0) {
+                c = mix(sample_type(layer, seen.uv, cover, dx, dy), c, a);
+            }
         }
-    }
-    let a = below(seen.roads.x, seen.uv) * below(seen.roads.y, seen.uv);
-    if (a < 1.0) {
-        c = mix(sample_type(seen.roads.x, seen.uv, cover, dx, dy), c, a);
+        let a = below(seen.roads.x, seen.uv) * below(seen.roads.y, seen.uv);
+        if (a < 1.0) {
+            c = mix(sample_type(seen.roads.x, seen.uv, cover, dx, dy), c, a);
+        }
     }
     return vec4<f32>(fogged(c * seen.light, seen.place), 1.0);
 }
