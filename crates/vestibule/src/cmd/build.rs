@@ -32,9 +32,9 @@ pub(crate) struct Args {
     /// Make a world from a number instead
     #[arg(long, value_name = "SIZE", value_enum, conflicts_with = "check")]
     synthetic: Option<synthetic::Size>,
-    /// The number a synthetic world follows from
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "synthetic")]
-    seed: u64,
+    /// The number a synthetic world follows from [default: 1]
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
     /// Folder to write client_portal.dat and client_cell_1.dat to
     #[arg(short, long, value_name = "DIR", required_unless_present = "check")]
     out: Option<PathBuf>,
@@ -45,7 +45,10 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     if let (Some(size), Some(out)) = (args.synthetic, &args.out) {
-        return synthetic::run(size, args.seed, out, context);
+        return synthetic::run(size, args.seed.unwrap_or(1), out, context);
+    }
+    if args.seed.is_some() {
+        return Err(Usage("--seed goes with --synthetic; a scene says everything itself".to_owned()).into());
     }
     let Some(scene) = &args.scene else {
         return Err(Usage("build takes a scene, or --synthetic and --out".to_owned()).into());
