@@ -514,3 +514,16 @@ fn v33_an_eye_one_cell_ahead_of_its_root() {
     assert_eq!(rooms.list(&flood), ["B"]);
     assert_eq!(flood.counters().wrong_cell, 1);
 }
+
+#[test]
+fn s5_3a_the_portal_a_view_comes_in_by_is_never_looked_back_through() {
+    // The eye is in the door's plane, so the far side's portal would count as an out portal by itself (4.2).
+    let mut rooms = two_rooms();
+    let openings = rooms.build();
+    let mut pview = PView::default();
+    let flood = pview.look_in_block(Some(&openings), &camera(0, v(0.0, 5.0, 1.5), Vec3::Y, 1.0));
+    assert_eq!(rooms.list(&flood), ["A", "B"]);
+    assert_eq!(flood.counters().ancestor_rejections, 0);
+    // It is an in portal, and so it counts for the key (5.4).
+    assert!(flood.cells()[1].key > 1.0, "{}", flood.cells()[1].key);
+}
