@@ -218,7 +218,7 @@ impl<'a> Collector<'a> {
 
     /// Light and fog of the frame.
     pub(crate) fn levels(&self, day: &Daylight) -> LightLevels {
-        LightLevels::new(day, self.sealed)
+        LightLevels::new(day, self.sealed, self.settings.light)
     }
 
     /// The light the viewer carries, camera axes (`rendering.md` 12.7).

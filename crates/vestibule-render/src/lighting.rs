@@ -6,6 +6,7 @@ use glam::Vec3;
 use vestibule_world::{EnvCell, World};
 
 use crate::assets::Assets;
+use crate::scene::LightDetail;
 use crate::sky::Daylight;
 
 /// Ambient level of sealed interiors (`rendering.md` 12.3).
@@ -96,6 +97,10 @@ pub fn shell_light(lamps: &[Lamp], place: Vec3, normal: Vec3) -> Vec3 {
     clamp01(sum)
 }
 
+/// How much of the ambient light outdoors is left in rooms that see the outside when light is per pixel: so much that
+/// lamps show by day and daylight stays outside.
+const DIMMED: f32 = 0.62;
+
 /// The sun and the ambient light of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightLevels {
@@ -112,8 +117,9 @@ pub struct LightLevels {
 }
 
 impl LightLevels {
-    /// The levels of a frame; `sealed`: the viewer's cell does not see the outside (`rendering.md` 12.3).
-    pub fn new(day: &Daylight, sealed: bool) -> Self {
+    /// The levels of a frame; `sealed`: the viewer's cell does not see the outside (`rendering.md` 12.3). With light per
+    /// pixel the rooms of a frame that sees out are dimmed, which is not retail's.
+    pub fn new(day: &Daylight, sealed: bool, detail: LightDetail) -> Self {
         let bright = libm::sqrtf(day.sun.dot(day.sun));
         let a = if day.ambient >= 0.2 { day.ambient } else { 0.2 };
         let outdoors = day.ambient_color * (bright * 0.2 + day.ambient);
@@ -122,10 +128,10 @@ impl LightLevels {
             sun: day.sun_color * bright,
             terrain: day.ambient_color * a,
             outdoors,
-            indoors: if sealed {
-                Vec3::splat(SEALED_AMBIENT)
-            } else {
-                outdoors
+            indoors: match (sealed, detail) {
+                (true, _) => Vec3::splat(SEALED_AMBIENT),
+                (false, LightDetail::PerPixel) => outdoors * DIMMED,
+                (false, _) => outdoors,
             },
         }
     }
@@ -249,9 +255,14 @@ mod tests {
     #[test]
     fn r12_3_sealed_interiors_have_their_own_level() {
         let day = Daylight::without_data(0.5);
-        assert_eq!(LightLevels::new(&day, true).indoors, Vec3::splat(0.2));
-        let open = LightLevels::new(&day, false);
+        let levels = |sealed, detail| LightLevels::new(&day, sealed, detail);
+        assert_eq!(levels(true, LightDetail::PerPixel).indoors, Vec3::splat(0.2));
+        let open = levels(false, LightDetail::PerVertex);
         assert!((open.indoors.x - (1.3 * 0.2 + 0.4)).abs() < 1e-5);
+        assert_eq!(
+            open.indoors * DIMMED,
+            levels(false, LightDetail::PerPixel).indoors
+        );
         assert!((open.terrain.x - 0.4).abs() < 1e-6);
     }
 }

@@ -25,10 +25,6 @@ pub(crate) enum Mode {
     Ids,
 }
 
-/// How much of the ambient light outdoors is left in rooms that see the outside when light is per pixel: so much that
-/// lamps show by day and daylight stays outside.
-const DIMMED: f32 = 0.62;
-
 /// Who a mesh belongs to, for its ids.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Owner {
@@ -86,10 +82,7 @@ impl Painter {
         sealed: bool,
     ) -> Self {
         let eye = EyeFrame::new(camera);
-        let mut levels = LightLevels::new(&day, sealed);
-        if settings.light == LightDetail::PerPixel && !sealed {
-            levels.indoors *= DIMMED;
-        }
+        let levels = LightLevels::new(&day, sealed, settings.light);
         Painter {
             mode,
             settings,
