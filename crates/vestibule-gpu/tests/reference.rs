@@ -14,8 +14,9 @@ const SIZE: (u32, u32) = (320, 240);
 const TOLERANCE: u8 = 8;
 /// Of a picture's pixels (R25).
 const ALLOWED: f32 = 0.001;
-/// Pixels of a picture that may differ away from edges: where one mip level borders on the next, and rounding decides.
-const BETWEEN_LEVELS: usize = 2;
+/// Pixels of a picture that may differ away from borders of ids: where one mip level borders on the next, and where faces of
+/// one thing meet, which have the same id; rounding decides there.
+const WITHIN_IDS: usize = 4;
 
 fn poses(stage: &Stage) -> Vec<Camera> {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
@@ -52,7 +53,10 @@ fn r25_pictures_equal_the_reference_but_for_edges() {
     let Some(gpu) = software() else { return };
     let mut stage = Stage::new();
     let mut renderer = renderer(&gpu);
-    let settings = RenderSettings::default();
+    let settings = RenderSettings {
+        exact: true,
+        ..RenderSettings::default()
+    };
     let (mut worst, mut bad) = ((0, 0), Vec::new());
     for (k, camera) in poses(&stage).into_iter().enumerate() {
         stage.look(camera);
@@ -66,7 +70,7 @@ fn r25_pictures_equal_the_reference_but_for_edges() {
         if d.differing > worst.0 {
             worst = (d.differing, k);
         }
-        if share > ALLOWED || d.away_from_edges > BETWEEN_LEVELS {
+        if share > ALLOWED || d.away_from_edges > WITHIN_IDS {
             leave(&format!("pose-{k}"), &expected, &actual);
             bad.push((k, d));
         }

@@ -14,7 +14,7 @@ use crate::raster::scan::{Affine, Facing, Setup};
 use crate::raster::{Buffers, PixelId, PixelKind, PixelWrite};
 use crate::scene::{LightDetail, RenderCounters, RenderSettings};
 use crate::shade::{
-    Lamps, Light, Lighting, MeshLight, Normal, Palette, Shade, Slope, Surface, TextureMap, fogged,
+    Lamps, Light, Lighting, MeshLight, Normal, Palette, Shade, Slope, Surface, TextureMap, fogged, step_of,
 };
 use crate::sky::{Daylight, Fog};
 
@@ -290,6 +290,7 @@ impl Painter {
             eye: &self.eye,
             screen: self.buffers.screen,
             threads: self.settings.threads,
+            step: step_of(self.settings.exact),
         };
         palette.apply(&mut self.buffers.color, &mut self.buffers.owners);
         self.shades.clear();

@@ -101,6 +101,9 @@ pub struct RenderSettings {
     /// Quality of the levels of detail of objects, -1…1 (`rendering.md` 17.1); for buildings see
     /// [`DetailedObjects`](crate::DetailedObjects).
     pub detail: f32,
+    /// Distance, texture coordinates, light and fog are computed at every pixel of a row, as a graphics card does, not at
+    /// every eighth: the far ground is a little different then, and drawing takes twice as long.
+    pub exact: bool,
     /// Threads that colour a picture; 0 is as many as the machine runs at once. The picture is the same.
     pub threads: usize,
 }
@@ -116,6 +119,7 @@ impl Default for RenderSettings {
             only_behind_exits: true,
             cull_terrain: true,
             detail: 0.0,
+            exact: false,
             threads: 0,
         }
     }

@@ -2,7 +2,7 @@
 //! once, when all of them have spoken, however often it was drawn over.
 //!
 //! Along a row, what changes slowly (distance, texture coordinates, light, fog) is computed every few pixels and is
-//! linear between.
+//! linear between, or at each pixel (`RenderSettings::exact`).
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use crate::terrain_paint::Way;
 use crate::texel::TexelWalk;
 use crate::texture::Texture;
 
-/// Pixels of a row over which things are taken as linear.
+/// Pixels of a row over which things are taken as linear, unless the picture is to be exact.
 const STEP: u32 = 8;
 /// Fewer pixels than this are coloured by one thread.
 const MANY_PIXELS: usize = 1 << 15;
@@ -149,6 +149,13 @@ pub(crate) struct Palette<'a> {
     pub(crate) eye: &'a EyeFrame,
     pub(crate) screen: Projection,
     pub(crate) threads: usize,
+    /// Of [`step_of`].
+    pub(crate) step: u32,
+}
+
+/// Pixels of a step.
+pub(crate) fn step_of(exact: bool) -> u32 {
+    if exact { 1 } else { STEP }
 }
 
 impl Palette<'_> {
@@ -212,7 +219,7 @@ impl Palette<'_> {
                 let texture = &material.texture;
                 if let Some(c) = map.solid {
                     let c = c.map(|v| v as u8);
-                    stepped(x, pixels, end, |_, _, _| move |_| c, fog);
+                    stepped(self.step, x, pixels, end, |_, _, _| move |_| c, fog);
                     return;
                 }
                 let look = |a: &End, b: &End, n: u32| {
@@ -220,7 +227,7 @@ impl Palette<'_> {
                     let walk = TexelWalk::new(texture.level(level), a.uv, b.uv, n, map.wrap);
                     move |k| walk.at(k)
                 };
-                stepped(x, pixels, end, look, fog);
+                stepped(self.step, x, pixels, end, look, fog);
             }
             Surface::Ground {
                 land,
@@ -247,7 +254,7 @@ impl Palette<'_> {
                         });
                         move |k| walk.at(k)
                     };
-                    stepped(x, pixels, end, look, self.fog);
+                    stepped(self.step, x, pixels, end, look, self.fog);
                     return;
                 }
                 // A triangle of distant ground reaches over several land cells.
@@ -267,7 +274,7 @@ impl Palette<'_> {
                         paint.map_or([0; 4], |p| p.fetch(u, v, texels))
                     }
                 };
-                stepped(x, pixels, end, look, self.fog);
+                stepped(self.step, x, pixels, end, look, self.fog);
             }
         }
     }
@@ -319,6 +326,7 @@ struct End {
 /// at each.
 #[inline]
 fn stepped<T: Fn(u32) -> [u8; 4]>(
+    step: u32,
     x: u32,
     pixels: &mut [[u8; 4]],
     end: impl Fn(u32) -> End,
@@ -338,7 +346,7 @@ fn stepped<T: Fn(u32) -> [u8; 4]>(
     let (mut a, mut at) = (end(x), 0);
     let mut from = parts(&a);
     loop {
-        let next = (at + STEP).min(last);
+        let next = (at + step).min(last);
         let n = (next - at).max(1);
         let b = if next > at { end(x + next) } else { a };
         let to = parts(&b);
