@@ -33,14 +33,13 @@
 
 #![forbid(unsafe_code)]
 
+mod arena;
 mod collect;
 mod device;
 mod error;
 mod ground;
 mod meshes;
-mod picture;
 mod pipelines;
-mod place;
 mod renderer;
 mod target;
 mod textures;
@@ -49,7 +48,7 @@ mod uniforms;
 pub use collect::FrameStats;
 pub use device::{AdapterChoice, Gpu, instance};
 pub use error::GpuError;
-pub use picture::Picture;
 pub use renderer::{Filtering, Renderer, RendererOptions, Uploaded};
 pub use target::Target;
+pub use vestibule_render::Picture;
 pub use wgpu;
