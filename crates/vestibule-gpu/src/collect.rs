@@ -7,13 +7,12 @@ use std::sync::Arc;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec4};
 use vestibule_render::{
-    Blend, Canvas, DrawList, EyeFrame, LightDetail, Mesh, Owner, PUNCH_DEPTH, Piece, PieceLight, PixelKind,
-    Placed, PortalDepth, RenderSettings, Scene, SkyThing,
+    Blend, Canvas, DrawList, EyeFrame, LightDetail, Mesh, NumberMap, Owner, PUNCH_DEPTH, Piece, PieceLight,
+    PixelKind, Placed, PortalDepth, RenderSettings, Scene, SkyThing,
 };
 use vestibule_view::Camera;
 use vestibule_world::{BlockId, CellId};
 
-use crate::arena::NumberMap;
 use crate::ground::{Ground, list_cells};
 use crate::meshes::{Batch, Meshes};
 use crate::pipelines::{Key, Kind, Pipelines, blend_key};

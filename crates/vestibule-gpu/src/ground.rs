@@ -6,12 +6,14 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use vestibule_render::{Assets, CellPaint, Cover, LandMesh, Level, TerrainPaint, Texture, TypeTexture};
+use vestibule_render::{
+    Assets, CellPaint, Cover, LandMesh, Level, NumberMap, TerrainPaint, Texture, TypeTexture,
+};
 use vestibule_world::constants::SQUARE_LENGTH;
 use vestibule_world::terrain::vertex_index;
 use vestibule_world::{BlockId, CellId, World};
 
-use crate::arena::{Arena, NumberMap};
+use crate::arena::Arena;
 use crate::textures::{KEPT_FRAMES, Sampling, extent, fitting, sampler, sampler_entry, texture_entry, write};
 use crate::uniforms::WINDOW;
 

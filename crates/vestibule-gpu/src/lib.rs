@@ -8,6 +8,7 @@
 //!
 //! * [`Gpu`] opens an adapter: Vulkan, Metal, Direct3D 12 or OpenGL, a software one if there is no other;
 //! * [`Renderer`] draws a [`Picture`] into a [`Target`], whose colours other passes can show;
+//! * [`FrameTimer`] tells what frames cost;
 //! * [`Renderer::image`] and [`Renderer::ids`] read pictures back.
 //!
 //! Nothing here asks for more than a browser with WebGL2 has: no compute, no storage buffers, no clip distances, four
@@ -35,6 +36,7 @@
 
 mod arena;
 mod collect;
+mod cost;
 mod device;
 mod error;
 mod ground;
@@ -46,6 +48,7 @@ mod textures;
 mod uniforms;
 
 pub use collect::FrameStats;
+pub use cost::{FrameCost, FrameTimer, views as cost_views};
 pub use device::{AdapterChoice, Gpu, instance};
 pub use error::GpuError;
 pub use renderer::{Filtering, Renderer, RendererOptions, Uploaded};

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use vestibule_render::{DrawList, Material, Mesh};
+use vestibule_render::{DrawList, Material, Mesh, NumberMap};
 
-use crate::arena::{Arena, NumberMap};
+use crate::arena::Arena;
 use crate::textures::{KEPT_FRAMES, Slot, Textures};
 
 /// A corner as `shaders/mesh.wgsl` reads it.

@@ -1,8 +1,7 @@
 //! Pipelines, made when first needed.
 
-use vestibule_render::{Blend, Factor};
+use vestibule_render::{Blend, Factor, NumberMap};
 
-use crate::arena::NumberMap;
 use crate::ground;
 use crate::meshes;
 use crate::uniforms::{FrameUniform, INSTANCE_LAYOUT, WINDOW};

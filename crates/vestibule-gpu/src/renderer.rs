@@ -135,6 +135,19 @@ impl Renderer {
         picture: &Picture<'_>,
         settings: &RenderSettings,
     ) -> Result<FrameStats, GpuError> {
+        self.draw_with(gpu, target, scene, picture, settings, || {})
+    }
+
+    /// As [`Renderer::draw`]; `before_submit` is called when everything is ready to be submitted.
+    pub(crate) fn draw_with(
+        &mut self,
+        gpu: &Gpu,
+        target: &Target,
+        scene: &Scene<'_>,
+        picture: &Picture<'_>,
+        settings: &RenderSettings,
+        before_submit: impl FnOnce(),
+    ) -> Result<FrameStats, GpuError> {
         gpu.check()?;
         let size = picture.camera.viewport();
         if (size.x, size.y) != (target.width() as f32, target.height() as f32) {
@@ -207,7 +220,9 @@ impl Renderer {
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         self.encode(&mut encoder, target, clear);
-        gpu.queue.submit([encoder.finish()]);
+        let commands = encoder.finish();
+        before_submit();
+        gpu.queue.submit([commands]);
         Ok(stats)
     }
 

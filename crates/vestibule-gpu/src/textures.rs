@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use vestibule_render::{Level, Texture};
-
-use crate::arena::NumberMap;
+use vestibule_render::{Level, NumberMap, Texture};
 
 /// Where a texture is: an array, and a layer of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

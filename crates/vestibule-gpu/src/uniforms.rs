@@ -2,11 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
-use vestibule_render::{Daylight, EyeFrame, Fog, Lamp, LightLevels, MAX_SHELL_LAMPS};
+use vestibule_render::{Daylight, EyeFrame, Fog, Lamp, LightLevels, MAX_SHELL_LAMPS, NumberMap};
 use vestibule_view::Camera;
 use vestibule_world::CellId;
-
-use crate::arena::NumberMap;
 
 /// Where what is bound in a buffer may begin; the alignment that every adapter allows.
 const ALIGNMENT: usize = 256;

@@ -6,6 +6,9 @@ mod conform;
 mod dat;
 #[cfg_attr(not(feature = "explore"), path = "cmd/no_explore.rs")]
 mod explore;
+#[cfg_attr(not(feature = "explore"), path = "cmd/no_gpu.rs")]
+mod gpu;
+mod gpu_cost;
 mod id;
 mod inspect;
 mod ls;
