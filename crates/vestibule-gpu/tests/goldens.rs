@@ -13,9 +13,9 @@ use vestibule_view::Camera;
 
 const SIZE: (u32, u32) = (320, 200);
 /// Steps of 256 a channel may differ by.
-const TOLERANCE: u8 = 12;
+const TOLERANCE: u8 = 5;
 /// Share of pixels that may differ by more: edges, on another version of the adapter.
-const ALLOWED: f32 = 0.01;
+const ALLOWED: f32 = 0.003;
 
 fn views() -> Vec<(&'static str, Camera, f32)> {
     vec![

@@ -127,3 +127,55 @@ fn r25_ids_equal_the_reference_but_for_edges() {
     let _ = writeln!(std::io::stderr(), "R25 ids: worst pose: {worst} pixels differ");
     assert!(bad.is_empty(), "see {}: {bad:?}", common::failures().display());
 }
+
+#[test]
+fn r25_bodies_in_lamplight_equal_the_reference_and_are_not_black() {
+    use vestibule_physics::{Body, Population, Scratch};
+    use vestibule_render::{PixelKind, Scene};
+    use vestibule_world::{CellId, Frame, Position};
+    let Some(gpu) = software() else { return };
+    let mut stage = Stage::new();
+    let mut renderer = renderer(&gpu);
+    let settings = RenderSettings {
+        exact: true,
+        ..RenderSettings::default()
+    };
+    // A hall of the mine, a lantern over its middle, someone seen from behind right under it.
+    let feet = glam::Vec3::new(74.0, -80.0, -20.0);
+    let cell = CellId(0x0107_0102);
+    let mut population = Population::new();
+    let id = population.add(Body::player());
+    let position = Position {
+        cell,
+        frame: Frame::at(feet),
+    };
+    population.force_into_cell(&stage.world, &mut Scratch::new(), id, &position);
+    let eye = feet + glam::Vec3::new(0.0, -2.5, 1.5);
+    let camera = camera(cell.0, eye.to_array(), (feet + glam::Vec3::Z).to_array(), SIZE);
+    let objects = vestibule_view::WorldObjects::new(&stage.world).with_population(&population);
+    let input = vestibule_view::FrameInput::new(camera);
+    stage
+        .frame
+        .update(&stage.world, &stage.openings, &objects, &input);
+    let scene = Scene::new(&stage.world, &stage.assets)
+        .with_population(&population)
+        .with_player(id, 1.0);
+    let expected = render(&scene, &stage.frame, &settings).unwrap();
+    let ids = render_ids(&scene, &stage.frame, &settings).unwrap();
+    let actual = renderer.image(&gpu, &scene, &stage.frame, &settings).unwrap();
+    let d = compare(&expected, &actual, &ids, TOLERANCE);
+    if d.differing as f32 > ALLOWED * ids.ids().len() as f32 {
+        leave("body", &expected, &actual);
+        panic!("see {}: {d:?}", common::failures().display());
+    }
+    let body = ids.ids().iter().zip(actual.pixels());
+    let body: Vec<_> = body.filter(|(id, _)| id.kind() == PixelKind::Object).collect();
+    assert!(body.len() > 2000, "{}", body.len());
+    let bright = |p: &[u8; 4]| p[..3].iter().map(|&c| u32::from(c)).max().unwrap();
+    let dark = body.iter().filter(|(_, p)| bright(p) < 18).count();
+    assert!(
+        dark * 20 < body.len(),
+        "{dark} of {} pixels are nearly black",
+        body.len()
+    );
+}

@@ -20,6 +20,9 @@ pub const MAX_OBJECT_LAMPS: usize = 8;
 /// Lamps that light one shell: retail's pool (`rendering.md` 12.1).
 pub const MAX_SHELL_LAMPS: usize = 40;
 
+/// Share of a lamp's light on a wall that comes back from it.
+const THROWN_BACK: f32 = 0.3;
+
 /// A point light, in whatever frame it is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lamp {
@@ -85,6 +88,23 @@ impl Lamp {
         } else {
             Vec3::ZERO
         }
+    }
+}
+
+impl Lamp {
+    /// What walls and floors around throw back onto a thing at this place, from all sides: a part of what they get. With
+    /// light per pixel only; retail has none of it, and what is turned away from every lamp is nearly black there.
+    #[inline]
+    pub fn thrown_back(&self, place: Vec3) -> Vec3 {
+        let gap = self.position - place;
+        let square = gap.dot(gap);
+        let range = self.falloff * SHELL_RANGE;
+        if !(square < range * range) {
+            return Vec3::ZERO;
+        }
+        let near = 1.0 - libm::sqrtf(square) / range;
+        let k = near * self.intensity / if square > 1.0 { square } else { 1.0 };
+        self.color * (THROWN_BACK * if k < 1.0 { k } else { 1.0 })
     }
 }
 
@@ -250,6 +270,18 @@ mod tests {
         assert!(on(5.9) > 0.0);
         assert_eq!(on(6.1), 0.0);
         assert!((on(4.0) - 25.0).abs() < 1e-3, "intensity by distance");
+    }
+
+    #[test]
+    fn light_comes_back_from_the_walls() {
+        let back = |d: f32| lamp().thrown_back(Vec3::new(0.0, 0.0, -d));
+        assert_eq!(
+            back(1.5),
+            lamp().color * THROWN_BACK,
+            "no more than a share of its colour"
+        );
+        assert!(back(4.0).x > back(4.9).x && back(4.9).x > 0.0);
+        assert_eq!(back(5.3), Vec3::ZERO, "out of range");
     }
 
     #[test]

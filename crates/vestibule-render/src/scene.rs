@@ -74,7 +74,8 @@ pub enum LightDetail {
     /// At the corners of polygons, as retail does (`rendering.md` 12.5, 12.6).
     PerVertex,
     /// At every pixel, by the same formulas: lamps in the middle of a large wall show. Indoors bright light rolls off
-    /// softly instead of being cut at white, and rooms that see the outside get less of its ambient light.
+    /// softly instead of being cut at white, walls throw some light back onto what stands between them, and rooms
+    /// that see the outside get less of its ambient light.
     #[default]
     PerPixel,
 }

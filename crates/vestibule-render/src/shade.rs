@@ -82,6 +82,11 @@ impl Lighting {
                 for lamp in lamps.iter().chain(&viewer) {
                     sum += lamp.on_object(place, normal);
                 }
+                if self.detail == LightDetail::PerPixel {
+                    for lamp in lamps {
+                        sum += lamp.thrown_back(place);
+                    }
+                }
                 lit(sum)
             }
             MeshLight::Own(luminosity) => Vec3::splat(luminosity),

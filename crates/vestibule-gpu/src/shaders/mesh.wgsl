@@ -91,6 +91,18 @@ fn on_object(at: vec4<f32>, color: vec4<f32>, place: vec3<f32>, normal: vec3<f32
     return color.rgb * (color.w * max(facing, 0.0));
 }
 
+// What walls throw back.
+fn thrown_back(at: vec4<f32>, color: vec4<f32>, place: vec3<f32>) -> vec3<f32> {
+    let gap = at.xyz - place;
+    let square = dot(gap, gap);
+    let range = at.w * 1.3;
+    if (!(square < range * range)) {
+        return vec3<f32>(0.0);
+    }
+    let k = (1.0 - sqrt(square) / range) * color.w / max(square, 1.0);
+    return color.rgb * (0.3 * min(k, 1.0));
+}
+
 fn light_at(place: vec3<f32>, normal: vec3<f32>, material: vec4<f32>, how: vec4<u32>) -> vec3<f32> {
     let own = vec3<f32>(material.x);
     let diffuse = material.y;
@@ -121,6 +133,9 @@ fn light_at(place: vec3<f32>, normal: vec3<f32>, material: vec4<f32>, how: vec4<
                 let four = select(how.z, how.w, k >= 4u);
                 let i = min(first + 2u * ((four >> (8u * (k & 3u))) & 255u), 1022u);
                 sum += on_object(lists[i], lists[i + 1u], place, normal);
+                if (frame.flags.x != 0u) {
+                    sum += thrown_back(lists[i], lists[i + 1u], place);
+                }
             }
             if (frame.flags.w != 0u) {
                 sum += on_object(frame.viewer[0], frame.viewer[1], place, normal);
