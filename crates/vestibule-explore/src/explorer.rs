@@ -24,8 +24,11 @@ use crate::places::{self, NamedPlace};
 const MESSAGE_SECONDS: f64 = 6.0;
 /// Radians a pixel of dragging turns.
 const TURN_PER_PIXEL: f32 = 0.005;
-/// Longest step of time, seconds: after a pause the world does not leap.
-const LONGEST_STEP: f32 = 0.1;
+/// Longest time that one tick makes up for, seconds: after a pause the world does not leap.
+const LONGEST_TICK: f32 = 1.0;
+/// Seconds of a step of bodies: always the same, so that a walk does not depend on how fast pictures are drawn. Just
+/// over the shortest time that is integrated (`transition.md` 9.8).
+const STEP: f64 = 1.0 / 30.0 + 1.0e-6;
 /// The share of a day that a key changes the time by: an hour.
 const HOUR: f32 = 1.0 / 24.0;
 
@@ -39,6 +42,19 @@ pub enum Show {
     SingleCell,
     /// Everything loaded around the viewer.
     Everything,
+}
+
+/// Where the player was after a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrailStep {
+    /// Seconds that bodies had moved for.
+    pub seconds: f64,
+    /// The player's cell.
+    pub cell: CellId,
+    /// Where it stood.
+    pub position: Position,
+    /// It was put there since the step before, and did not walk.
+    pub teleported: bool,
 }
 
 /// A world being explored.
@@ -57,6 +73,15 @@ pub struct Explorer {
     doors: Doors,
     start: Position,
     now: f64,
+    /// The time of bodies, seconds: steps that were made.
+    clock: f64,
+    /// Time that passed and is not stepped yet, seconds.
+    owed: f64,
+    /// Keys pressed since the last step, though they may be up again.
+    tapped: Held,
+    /// Steps of the last tick.
+    trail: Vec<TrailStep>,
+    teleported: bool,
     message: Option<(String, f64)>,
     viewport: Vec2,
     commands: Vec<Command>,
@@ -110,6 +135,11 @@ impl Explorer {
             doors: Doors::default(),
             start,
             now: 0.0,
+            clock: 0.0,
+            owed: 0.0,
+            tapped: Held::default(),
+            trail: Vec::new(),
+            teleported: false,
             message: None,
             viewport: Vec2::new(1280.0, 720.0),
             commands: Vec::new(),
@@ -205,6 +235,7 @@ impl Explorer {
             .set_position(&self.world, &mut self.scratch, self.player, &placement);
         let there = matches!(done, Ok(Ok(vestibule_physics::Placed::InCell(_))));
         if there {
+            self.teleported = true;
             let mode = self.rig.camera.mode();
             self.rig = CameraRig::new(ChaseCamera::default());
             self.rig.camera.set_mode(mode);
@@ -400,15 +431,22 @@ impl Explorer {
         });
     }
 
-    /// Moves everything on by `dt` seconds and decides the frame for a screen of `viewport` pixels. A screen without
-    /// area keeps the last frame.
+    /// Notes keys that were pressed: each counts for one step at least, even if it is up again before the next tick.
+    pub fn tap(&mut self, keys: Held) {
+        self.tapped = self.tapped.or(keys);
+    }
+
+    /// Moves everything on by `dt` seconds, at most a second, and decides the frame for a screen of `viewport` pixels.
+    /// Bodies move by steps of equal length, so that where a walk leads does not depend on the length of ticks. A screen
+    /// without area keeps the last frame.
     pub fn tick(&mut self, held: &Held, dt: f32, viewport: Vec2) {
         let dt = if dt.is_finite() {
-            dt.clamp(0.0, LONGEST_STEP)
+            dt.clamp(0.0, LONGEST_TICK)
         } else {
             0.0
         };
         self.now += f64::from(dt);
+        self.trail.clear();
         if viewport.x >= 1.0 && viewport.y >= 1.0 && viewport.is_finite() {
             self.viewport = viewport;
         }
@@ -417,6 +455,19 @@ impl Explorer {
             self.prepare_commands();
             return;
         }
+        self.owed += f64::from(dt);
+        while self.owed >= STEP {
+            self.owed -= STEP;
+            let held = held.or(core::mem::take(&mut self.tapped));
+            self.step(held);
+        }
+        self.see(dt);
+        self.prepare_commands();
+    }
+
+    /// A step of the player.
+    fn step(&mut self, held: Held) {
+        self.clock += STEP;
         let axis = |plus: bool, minus: bool| f32::from(i8::from(plus) - i8::from(minus));
         if let Some(body) = self.population.body_mut(self.player) {
             body.set_motion(Motion {
@@ -426,17 +477,33 @@ impl Explorer {
                 run: !held.slow,
             });
             if held.jump && body.can_jump() {
-                body.jump(1.0, self.now);
+                body.jump(1.0, self.clock);
             }
         }
         let moved = self
             .population
-            .update(&self.world, &mut self.scratch, self.player, self.now);
+            .update(&self.world, &mut self.scratch, self.player, self.clock);
         if let Err(error) = moved {
             self.tell(format!("the player cannot move: {error}"));
         }
-        self.see(dt);
-        self.prepare_commands();
+        if let Some(position) = self.body().map(|b| *b.position()) {
+            self.trail.push(TrailStep {
+                seconds: self.clock,
+                cell: self.player_cell(),
+                position,
+                teleported: core::mem::take(&mut self.teleported),
+            });
+        }
+    }
+
+    /// Seconds that bodies have moved for.
+    pub fn clock(&self) -> f64 {
+        self.clock
+    }
+
+    /// Where the player was after each step of the last tick. There may be none: ticks can be shorter than steps.
+    pub fn trail(&self) -> &[TrailStep] {
+        &self.trail
     }
 
     fn fov(&self) -> f32 {

@@ -121,6 +121,21 @@ pub fn action(key: &str) -> Option<Action> {
 }
 
 impl Held {
+    /// What either holds.
+    pub fn or(self, other: Held) -> Held {
+        Held {
+            forward: self.forward || other.forward,
+            back: self.back || other.back,
+            left: self.left || other.left,
+            right: self.right || other.right,
+            turn_left: self.turn_left || other.turn_left,
+            turn_right: self.turn_right || other.turn_right,
+            slow: self.slow || other.slow,
+            jump: self.jump || other.jump,
+            down: self.down || other.down,
+        }
+    }
+
     /// The key, by the name of what it types or its own, went down or up; whether it is one that is held.
     pub fn set(&mut self, key: &str, down: bool) -> bool {
         let slot = match key {

@@ -21,6 +21,7 @@
 //!     adapter: AdapterChoice::Best,
 //!     cpu: false,
 //!     pictures: ".".into(),
+//!     watch: None,
 //! })
 //! # }
 //! ```
@@ -50,7 +51,7 @@ mod window;
 pub use doors::{DoorOutcome, Doors};
 pub use error::ExploreError;
 pub use everything::commands as everything_commands;
-pub use explorer::{Explorer, Show, clock};
+pub use explorer::{Explorer, Show, TrailStep, clock};
 pub use fly::FlyCamera;
 pub use keys::{Action, Held, KEYS, action, keys_help};
 pub use loading::{Open, Opened};
@@ -59,4 +60,4 @@ pub use picking::{Picked, pick};
 pub use places::{NamedPlace, PlaceError, find as find_place, middle_of};
 pub use portals::{Verdict, verdict};
 pub use vestibule_gpu::AdapterChoice;
-pub use window::{Options, run};
+pub use window::{Options, Watch, run};

@@ -38,7 +38,12 @@ pub struct Options {
     pub cpu: bool,
     /// Where pictures are saved.
     pub pictures: PathBuf,
+    /// Is shown the state after every frame.
+    pub watch: Option<Watch>,
 }
+
+/// Looks on after every frame. An error is told in the window, and ends the looking on.
+pub type Watch = Box<dyn FnMut(&Explorer) -> Result<(), String>>;
 
 /// Opens the window and runs until it is closed.
 ///
@@ -55,6 +60,7 @@ pub fn run(options: Options) -> Result<(), ExploreError> {
         adapter: options.adapter,
         cpu: options.cpu,
         pictures: options.pictures,
+        watch: options.watch,
         open: None,
         failed: None,
         held: Held::default(),
@@ -95,6 +101,7 @@ struct App {
     adapter: AdapterChoice,
     cpu: bool,
     pictures: PathBuf,
+    watch: Option<Watch>,
     open: Option<Opened>,
     failed: Option<ExploreError>,
     held: Held,
@@ -222,14 +229,14 @@ impl App {
         if let Phase::Exploring(explorer) = &mut self.phase {
             let begin = Instant::now();
             let viewport = Vec2::new(picture.0 as f32, picture.1 as f32);
-            // Slow frames are walked through in several steps, or doors would be missed.
-            let mut left = if dt < 1.0 { dt } else { 1.0 };
-            while left > 0.1 {
-                explorer.tick(&self.held, 0.1, viewport);
-                left -= 0.1;
-            }
-            explorer.tick(&self.held, left, viewport);
+            explorer.tick(&self.held, dt, viewport);
             self.times.decide = begin.elapsed().as_secs_f32();
+            if let Some(watch) = &mut self.watch
+                && let Err(why) = watch(explorer)
+            {
+                explorer.tell(why);
+                self.watch = None;
+            }
         }
         let input = open.input.take_egui_input(&open.window);
         let (phase, times) = (&mut self.phase, &self.times);
@@ -357,6 +364,11 @@ impl App {
                 }
             }
             return;
+        }
+        if down && !event.repeat {
+            let mut tapped = Held::default();
+            tapped.set(&name, true);
+            explorer.tap(tapped);
         }
         if !self.held.set(&name, down)
             && down

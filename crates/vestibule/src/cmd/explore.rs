@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use vestibule::world::{CellId, Position, World};
 use vestibule_explore::{AdapterChoice, NamedPlace, Opened, Options, keys_help, middle_of};
 
+use super::explore_trail;
 use super::place::{Place, parse_place};
 use super::render::parse_size;
 use crate::ui::{Context, hinted};
@@ -37,6 +38,10 @@ pub(crate) struct Args {
     /// Folder for saved pictures
     #[arg(long, value_name = "DIR", default_value = ".")]
     pictures: PathBuf,
+    /// Write where player and viewer are as JSON lines, one a step; `-` is standard output. `vestibule map --trail` draws
+    /// it, `vestibule replay` holds it against the world
+    #[arg(long, value_name = "FILE")]
+    trail: Option<PathBuf>,
     /// Print the keys and open no window
     #[arg(long)]
     keys: bool,
@@ -87,6 +92,7 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         },
         cpu: args.cpu,
         pictures: args.pictures.clone(),
+        watch: args.trail.as_deref().map(explore_trail::watch).transpose()?,
     };
     vestibule_explore::run(options).map_err(|error| {
         hinted(
