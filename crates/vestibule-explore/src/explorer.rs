@@ -19,6 +19,7 @@ use crate::keys::{Action, Held};
 use crate::overlays::{Mark, Marks, Overlay};
 use crate::picking::{Picked, pick};
 use crate::places::{self, NamedPlace};
+use crate::portals;
 
 /// Seconds a message stays.
 const MESSAGE_SECONDS: f64 = 6.0;
@@ -201,6 +202,12 @@ impl Explorer {
     /// Assets of the world.
     pub fn assets(&self) -> &Assets {
         &self.assets
+    }
+
+    /// The eye of the camera that flies, while the traversal is held.
+    pub fn flying_at(&self) -> Option<Position> {
+        let camera = self.fly.as_ref().and(self.camera())?;
+        Some(Position::new(camera.cell(), camera.eye()))
     }
 
     /// Whether the traversal is held.
@@ -436,6 +443,12 @@ impl Explorer {
         self.tapped = self.tapped.or(keys);
     }
 
+    /// Whether the door within reach is closed; `None` if there is none.
+    pub fn door_within_reach(&self) -> Option<bool> {
+        let at = self.body()?.position();
+        self.doors.within_reach(&self.world, at)
+    }
+
     /// Moves everything on by `dt` seconds, at most a second, and decides the frame for a screen of `viewport` pixels.
     /// Bodies move by steps of equal length, so that where a walk leads does not depend on the length of ticks. A screen
     /// without area keeps the last frame.
@@ -581,7 +594,13 @@ impl Explorer {
             }
         }
         let doors = &self.doors;
-        commands.retain(|c| !matches!(c, Command::Object { id, .. } if doors.hides(*id)));
+        let player = ObjectRef::Body(self.player);
+        let is_player = |c: &Command| matches!(c, Command::Object { id, .. } if *id == player);
+        // An eye within the player's back sees what the traversal lets it see.
+        let hidden = !frozen && !self.frame.commands().iter().any(is_player);
+        commands.retain(|c| {
+            !matches!(c, Command::Object { id, .. } if doors.hides(*id)) && !(hidden && is_player(c))
+        });
         self.commands = commands;
     }
 
@@ -627,7 +646,7 @@ impl Explorer {
             let offset = body.position().offset_to(&viewer.position);
             (body.position().origin() + offset - pivot).length()
         });
-        let opacity = if self.fly.is_some() || self.show == Show::Everything {
+        let opacity = if self.fly.is_some() {
             1.0
         } else {
             self.rig.camera.body_opacity(distance)
@@ -686,7 +705,10 @@ impl Explorer {
         };
         let doors = &self.doors;
         let hidden = |c: &Command| matches!(c, Command::Object { id, .. } if doors.hides(*id));
-        let found = pick(&self.scene(), &self.openings, &input, hidden, pixel);
+        let mut found = pick(&self.scene(), &self.openings, &input, hidden, pixel);
+        if let Some(found) = &mut found {
+            found.portals = portals::along(&self.world, &self.frame, &camera, pixel);
+        }
         self.picked = found;
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use vestibule_view::{Camera, FrameView};
-use vestibule_world::{BoundingBox, CellId, EnvCell, PortalTarget, World};
+use vestibule_world::{BoundingBox, CellId, EnvCell, World};
 
 use crate::portals::{self, Verdict};
 
@@ -41,6 +41,51 @@ impl Overlay {
             Overlay::StabList => "stab list",
         }
     }
+}
+
+/// Colours of what is collided with: rooms, objects, shells of buildings.
+const ROOM_WALLS: [u8; 3] = [255, 90, 90];
+const OBJECTS: [u8; 3] = [255, 190, 70];
+const SHELLS: [u8; 3] = [255, 120, 200];
+/// Colours of the stab list: listed by the traversal, and not.
+const SEEN: [u8; 3] = [90, 230, 110];
+const UNSEEN: [u8; 3] = [160, 160, 190];
+/// The landscape's regions and doors of buildings that are looked into from outdoors.
+const LANDSCAPE: [u8; 3] = [80, 190, 255];
+const LOOK_IN: [u8; 3] = [90, 255, 220];
+
+impl Overlay {
+    /// What its colours mean.
+    pub fn legend(self) -> Vec<([u8; 3], &'static str)> {
+        match self {
+            Overlay::Cells => vec![
+                ([255, 255, 255], "thick: the cell the player is in"),
+                ([190, 190, 190], "thin: other cells of the draw list"),
+            ],
+            Overlay::Portals => {
+                let all = Verdict::ALL.iter().map(|v| (v.color(), v.text()));
+                all.chain([(LOOK_IN, "door seen from outdoors")]).collect()
+            }
+            Overlay::Regions => vec![
+                ([190, 190, 190], "a cell is drawn only within its outline"),
+                (LANDSCAPE, "where the landscape shows"),
+            ],
+            Overlay::Collision => vec![
+                (ROOM_WALLS, "rooms"),
+                (OBJECTS, "objects"),
+                (SHELLS, "shells of buildings"),
+            ],
+            Overlay::StabList => vec![
+                ([255, 255, 255], "the viewer's cell"),
+                (SEEN, "in its stab list, and seen"),
+                (UNSEEN, "in its stab list only"),
+            ],
+        }
+    }
+}
+
+fn with_alpha([r, g, b]: [u8; 3], alpha: u8) -> [u8; 4] {
+    [r, g, b, alpha]
 }
 
 /// Something drawn over the picture; pixels from the top left corner.
@@ -128,8 +173,12 @@ impl<'a> Marks<'a> {
                     (b - a).perp_dot(Vec2::new(x, y) - a) <= 0.0
                 })
             };
-            let everywhere =
-                covers(0.0, 0.0) && covers(size.x, 0.0) && covers(0.0, size.y) && covers(size.x, size.y);
+            // The viewer's own region ends where the screen does, but for rounding.
+            let (low, high) = (Vec2::splat(2.0), size - Vec2::splat(2.0));
+            let everywhere = covers(low.x, low.y)
+                && covers(high.x, low.y)
+                && covers(low.x, high.y)
+                && covers(high.x, high.y);
             if points.len() >= 3 && !everywhere {
                 self.list.push(Mark::Area { points, color: fill });
             }
@@ -237,10 +286,7 @@ impl<'a> Marks<'a> {
                     let (width, fill) = if passed { (3.0, 50) } else { (1.5, 22) };
                     self.polygon(&corners, [r, g, b, 255], width, [r, g, b, fill]);
                     let sum: Vec3 = corners.iter().copied().sum();
-                    let to = match portal.other {
-                        PortalTarget::Outside => "outside".to_owned(),
-                        PortalTarget::Cell(id) => format!("{:04X}", id.low()),
-                    };
+                    let to = portals::leads_to(portal.other);
                     let text = format!("{:04X} to {to}: {}", seen.id.low(), verdict.text());
                     self.label(sum / corners.len().max(1) as f32, text, [r, g, b]);
                 }
@@ -251,7 +297,7 @@ impl<'a> Marks<'a> {
             if judge.eye() == self.camera.eye() {
                 let region = frame.look_ins().punch(look_in);
                 let corners: Vec<Vec3> = region.edges().iter().map(|e| e.corner).collect();
-                self.polygon(&corners, [90, 255, 220, 255], 3.0, [90, 255, 220, 40]);
+                self.polygon(&corners, with_alpha(LOOK_IN, 255), 3.0, with_alpha(LOOK_IN, 40));
             }
         }
     }
@@ -268,7 +314,7 @@ impl<'a> Marks<'a> {
         }
         for region in frame.landscape_views() {
             let corners: Vec<Vec3> = region.edges().iter().map(|e| e.corner * 2.0).collect();
-            self.polygon(&corners, [80, 190, 255, 255], 2.5, [0; 4]);
+            self.polygon(&corners, with_alpha(LANDSCAPE, 255), 2.5, [0; 4]);
         }
     }
 
@@ -294,7 +340,7 @@ impl<'a> Marks<'a> {
                         .iter()
                         .map(|v| cell.frame.local_to_global(*v) - eye)
                         .collect();
-                    self.polygon(&corners, [255, 90, 90, 190], 1.0, [0; 4]);
+                    self.polygon(&corners, with_alpha(ROOM_WALLS, 190), 1.0, [0; 4]);
                 }
             }
             for &r in world.statics_in(id) {
@@ -313,7 +359,7 @@ impl<'a> Marks<'a> {
                             .iter()
                             .map(|v| frame.local_to_global(*v * part.scale) - eye)
                             .collect();
-                        self.polygon(&corners, [255, 190, 70, 190], 1.0, [0; 4]);
+                        self.polygon(&corners, with_alpha(OBJECTS, 190), 1.0, [0; 4]);
                     }
                 }
             }
@@ -335,7 +381,7 @@ impl<'a> Marks<'a> {
                         .iter()
                         .map(|v| frame.local_to_global(*v * part.scale) - eye)
                         .collect();
-                    self.polygon(&corners, [255, 120, 200, 150], 1.0, [0; 4]);
+                    self.polygon(&corners, with_alpha(SHELLS, 150), 1.0, [0; 4]);
                 }
             }
         }
@@ -348,17 +394,13 @@ impl<'a> Marks<'a> {
         for &id in &cell.stab_list {
             let Some(other) = world.env_cell(id) else { continue };
             let listed = frame.floods().iter().any(|f| f.sees(id));
-            let color = if listed {
-                [90, 230, 110, 230]
-            } else {
-                [160, 160, 190, 200]
-            };
-            self.cell_box(other, color, if listed { 2.5 } else { 1.0 });
+            let color = if listed { SEEN } else { UNSEEN };
+            self.cell_box(other, with_alpha(color, 220), if listed { 2.5 } else { 1.0 });
             if let Some(b) = other.structure.bounds {
                 let eye = self.camera.eye_in(id.block());
                 let middle = other.frame.local_to_global((b.min + b.max) * 0.5) - eye;
                 let text = format!("{:04X} {}", id.low(), if listed { "seen" } else { "stab list" });
-                self.label(middle, text, [color[0], color[1], color[2]]);
+                self.label(middle, text, color);
             }
         }
         self.cell_box(cell, [255, 255, 255, 255], 2.5);

@@ -7,7 +7,7 @@ use vestibule_view::{Command, FramePath};
 use vestibule_world::{CellId, MapCoordinates, PortalTarget};
 
 use crate::explorer::{Explorer, Show, clock};
-use crate::keys::{Action, KEYS};
+use crate::keys::{Action, Group, KEYS};
 use crate::overlays::{Mark, Overlay, cell_color};
 use crate::portals;
 use crate::sidemap;
@@ -58,7 +58,7 @@ pub(crate) fn style(context: &Context) {
     context.all_styles_mut(|style| {
         let mut v = egui::Visuals::dark();
         v.override_text_color = Some(INK);
-        let panel = Color32::from_rgba_unmultiplied(18, 18, 24, 225);
+        let panel = Color32::from_rgba_unmultiplied(18, 18, 24, 238);
         v.window_fill = panel;
         v.panel_fill = panel;
         v.window_stroke = egui::Stroke::new(1.0, Color32::from_rgb(70, 62, 44));
@@ -77,21 +77,77 @@ pub(crate) fn show(context: &Context, explorer: &mut Explorer, times: &FrameTime
     if let Some(camera) = explorer.camera() {
         marks(context, &explorer.marks(), camera.viewport());
     }
+    let room = Room::of(context.content_rect().size(), explorer);
     if explorer.show_panels {
-        where_panel(context, explorer);
-        view_panel(context, explorer, times);
+        where_panel(context, explorer, &room);
+        view_panel(context, explorer, times, &room);
     }
     if explorer.show_map {
-        sidemap::show(context, explorer);
+        sidemap::show(context, explorer, room.map);
     }
     if explorer.picked.is_some() {
-        picked_panel(context, explorer);
+        picked_panel(context, explorer, &room);
     }
     if explorer.show_help {
         help(context, explorer);
     }
     typing(context, explorer);
     notices(context, explorer);
+}
+
+/// How much of the window each panel may take, so that none covers another; points. What does not fit is scrolled to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Room {
+    /// Width of the panels at the sides.
+    side: f32,
+    /// Height of what is in "Where".
+    place: f32,
+    /// Height of what is in "View".
+    view: f32,
+    /// Height of what is in "What is this?".
+    picked: f32,
+    /// Side of the map.
+    map: f32,
+}
+
+impl Room {
+    /// Height of a panel's title and borders, and of the gap to the next.
+    const FRAME: f32 = 50.0;
+
+    fn of(window: egui::Vec2, explorer: &Explorer) -> Room {
+        let least = |a: f32, b: f32| if a < b { a } else { b };
+        let most = |a: f32, b: f32| if a > b { a } else { b };
+        let whole = most(window.y - Self::FRAME - 10.0, 20.0);
+        let map = most(least(least(320.0, window.y * 0.42), window.x * 0.4), 80.0);
+        let below = |open: bool, height: f32| if open { height + Self::FRAME } else { 0.0 };
+        let picked = most(least(240.0, whole * 0.45), 20.0);
+        Room {
+            side: most(least(270.0, window.x * 0.5 - 40.0), 60.0),
+            place: most(whole - below(explorer.picked.is_some(), picked), 20.0),
+            view: most(whole - below(explorer.show_map, map), 20.0),
+            picked,
+            map,
+        }
+    }
+}
+
+/// What does not fit is scrolled to.
+fn scrolled(ui: &mut Ui, width: f32, height: f32, fill: impl FnOnce(&mut Ui)) {
+    ui.set_max_width(width);
+    egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
+        ui.set_max_width(width);
+        fill(ui);
+    });
+}
+
+/// A few words in a colour, behind a patch of it.
+fn patch(ui: &mut Ui, [r, g, b]: [u8; 3], text: &str) {
+    ui.horizontal(|ui| {
+        ui.add_space(14.0);
+        let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
+        ui.painter().rect_filled(rect, 2.0, Color32::from_rgb(r, g, b));
+        ui.label(RichText::new(text).color(DIM).size(12.0));
+    });
 }
 
 fn marks(context: &Context, marks: &[Mark], viewport: glam::Vec2) {
@@ -123,7 +179,7 @@ fn marks(context: &Context, marks: &[Mark], viewport: glam::Vec2) {
                 color,
             } => {
                 let [r, g, b] = *color;
-                let font = egui::FontId::proportional(12.0);
+                let font = egui::FontId::proportional(13.0);
                 let galley = painter.layout_no_wrap(text.clone(), font, Color32::from_rgb(r, g, b));
                 let rect = Align2::CENTER_CENTER
                     .anchor_size(at(place), galley.size())
@@ -157,9 +213,18 @@ fn heading(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).color(GOLD).strong());
 }
 
-fn where_panel(context: &Context, explorer: &mut Explorer) {
+fn where_panel(context: &Context, explorer: &Explorer, room: &Room) {
     let window = egui::Window::new("Where").anchor(Align2::LEFT_TOP, [10.0, 10.0]);
-    window.resizable(false).default_width(250.0).show(context, |ui| {
+    window
+        .resizable(false)
+        .default_size([room.side, room.place + Room::FRAME])
+        .show(context, |ui| {
+            scrolled(ui, room.side, room.place, |ui| where_rows(ui, explorer));
+        });
+}
+
+fn where_rows(ui: &mut Ui, explorer: &Explorer) {
+    {
         let grid = |ui: &mut Ui, id: &str, rows: &mut dyn FnMut(&mut Ui)| {
             egui::Grid::new(id).num_columns(2).show(ui, |ui| rows(ui));
         };
@@ -187,6 +252,14 @@ fn where_panel(context: &Context, explorer: &mut Explorer) {
                 let touching = body.touching().len();
                 let shadows = body.shadow_cells().len();
                 row(ui, "listed in", format!("{shadows} cells, touching {touching}"));
+                if let Some(closed) = explorer.door_within_reach() {
+                    let told = if closed {
+                        "closed: F opens it"
+                    } else {
+                        "open: F closes it"
+                    };
+                    row(ui, "door", told);
+                }
             }
         });
         heading(ui, "viewer");
@@ -210,7 +283,7 @@ fn where_panel(context: &Context, explorer: &mut Explorer) {
             row(ui, "path", path);
         });
         cell_facts(ui, explorer);
-    });
+    }
 }
 
 fn cell_facts(ui: &mut Ui, explorer: &Explorer) {
@@ -234,9 +307,18 @@ fn cell_facts(ui: &mut Ui, explorer: &Explorer) {
     });
 }
 
-fn view_panel(context: &Context, explorer: &mut Explorer, times: &FrameTimes) {
+fn view_panel(context: &Context, explorer: &mut Explorer, times: &FrameTimes, room: &Room) {
     let window = egui::Window::new("View").anchor(Align2::RIGHT_TOP, [-10.0, 10.0]);
-    window.resizable(false).default_width(250.0).show(context, |ui| {
+    window
+        .resizable(false)
+        .default_size([room.side, room.view + Room::FRAME])
+        .show(context, |ui| {
+            scrolled(ui, room.side, room.view, |ui| view_rows(ui, explorer, times));
+        });
+}
+
+fn view_rows(ui: &mut Ui, explorer: &mut Explorer, times: &FrameTimes) {
+    {
         frame_times(ui, times);
         heading(ui, "show");
         ui.horizontal(|ui| {
@@ -255,6 +337,11 @@ fn view_panel(context: &Context, explorer: &mut Explorer, times: &FrameTimes) {
                 &mut explorer.overlays[k],
                 format!("{}  {}", k + 1, overlay.name()),
             );
+            if explorer.overlays[k] {
+                for (color, text) in overlay.legend() {
+                    patch(ui, color, text);
+                }
+            }
         }
         let frozen = explorer.is_frozen();
         if ui
@@ -269,19 +356,31 @@ fn view_panel(context: &Context, explorer: &mut Explorer, times: &FrameTimes) {
         });
         draw_list(ui, explorer);
         ui.label(RichText::new("H  all keys").color(DIM));
-    });
+    }
 }
 
 fn frame_times(ui: &mut Ui, times: &FrameTimes) {
-    ui.label(RichText::new(&times.adapter).color(DIM).small());
-    ui.label(format!(
-        "{:.0} frames/s   decide {:.2} ms   submit {:.2} ms",
-        times.rate(),
-        times.decide * 1e3,
-        times.submit * 1e3
-    ));
-    ui.label(RichText::new(format!("{} draws, {} triangles", times.draws, times.triangles)).color(DIM));
-    let (rect, _) = ui.allocate_exact_size(egui::vec2(230.0, 24.0), egui::Sense::hover());
+    egui::Grid::new("times").num_columns(2).show(ui, |ui| {
+        let newest = times.whole.last().copied().unwrap_or_default();
+        let rate = format!("{:.0} a second, this one {:.0} ms", times.rate(), newest * 1e3);
+        row(ui, "frames", rate);
+        let ms = format!(
+            "{:.2} ms; {:.2} ms to submit",
+            times.decide * 1e3,
+            times.submit * 1e3
+        );
+        row(ui, "decided in", ms);
+        row(
+            ui,
+            "drawn",
+            format!("{} draws, {} triangles", times.draws, times.triangles),
+        );
+    });
+    ui.label(RichText::new(&times.adapter).color(DIM).size(11.0));
+    let (rect, _) = ui.allocate_exact_size(
+        egui::vec2(ui.available_width().clamp(40.0, 240.0), 24.0),
+        egui::Sense::hover(),
+    );
     let painter = ui.painter();
     painter.rect_filled(rect, 2.0, Color32::from_black_alpha(90));
     for (k, seconds) in times.whole.iter().rev().enumerate() {
@@ -321,40 +420,48 @@ fn draw_list(ui: &mut Ui, explorer: &mut Explorer) {
     let summary: Vec<String> = counts.iter().map(|(name, n)| format!("{n} {name}")).collect();
     heading(ui, "draw list");
     ui.label(RichText::new(summary.join(", ")).color(DIM));
+    let path = match explorer.frame().path() {
+        FramePath::Outdoors => {
+            "The landscape first, then into doors: a punch makes room for what is behind one."
+        }
+        FramePath::SeesOut => {
+            "The landscape first, within the exits; then the depth is cleared and each exit sealed."
+        }
+        FramePath::Sealed => "Rooms only, from the farthest to the nearest; no landscape.",
+        _ => "Nothing: the eye is in no cell.",
+    };
+    ui.label(RichText::new(path).color(DIM).size(12.0));
     let mut wanted = None;
     egui::CollapsingHeader::new("rooms and their portals").show(ui, |ui| {
-        egui::ScrollArea::vertical().max_height(260.0).show(ui, |ui| {
-            let frame = explorer.frame();
-            let Some(camera) = frame.camera() else { return };
-            for (k, flood) in frame.floods().iter().enumerate() {
-                for seen in flood.cells() {
-                    let [r, g, b] = cell_color(seen.id);
-                    let title = format!(
-                        "{}  ({} views)",
-                        named(explorer, seen.id),
-                        flood.regions(seen).len()
-                    );
-                    let title = RichText::new(title).color(Color32::from_rgb(r, g, b));
-                    let Some(cell) = explorer.world().env_cell(seen.id) else {
-                        continue;
-                    };
-                    egui::CollapsingHeader::new(title)
-                        .id_salt((k, seen.id.0))
-                        .show(ui, |ui| {
-                            for portal in &cell.portals {
-                                let v =
-                                    portals::verdict(explorer.world(), camera, &flood, seen, cell, portal);
-                                let [r, g, b] = v.color();
-                                let text = format!("portal {}: {}", portal.record_index, v.text());
-                                ui.label(RichText::new(text).color(Color32::from_rgb(r, g, b)));
-                            }
-                            if ui.small_button("draw only this").clicked() {
-                                wanted = Some(seen.id);
-                            }
-                        });
-                }
+        let frame = explorer.frame();
+        let Some(camera) = frame.camera() else { return };
+        for (k, flood) in frame.floods().iter().enumerate() {
+            for seen in flood.cells() {
+                let [r, g, b] = cell_color(seen.id);
+                let title = format!(
+                    "{}  ({} views)",
+                    named(explorer, seen.id),
+                    flood.regions(seen).len()
+                );
+                let title = RichText::new(title).color(Color32::from_rgb(r, g, b));
+                let Some(cell) = explorer.world().env_cell(seen.id) else {
+                    continue;
+                };
+                egui::CollapsingHeader::new(title)
+                    .id_salt((k, seen.id.0))
+                    .show(ui, |ui| {
+                        for portal in &cell.portals {
+                            let v = portals::verdict(explorer.world(), camera, &flood, seen, cell, portal);
+                            let [r, g, b] = v.color();
+                            let text = format!("portal {}: {}", portal.record_index, v.text());
+                            ui.label(RichText::new(text).color(Color32::from_rgb(r, g, b)));
+                        }
+                        if ui.small_button("draw only this").clicked() {
+                            wanted = Some(seen.id);
+                        }
+                    });
             }
-        });
+        }
     });
     if let Some(cell) = wanted {
         explorer.single = Some(cell);
@@ -380,7 +487,7 @@ fn draw_list(ui: &mut Ui, explorer: &mut Explorer) {
     }
 }
 
-fn picked_panel(context: &Context, explorer: &mut Explorer) {
+fn picked_panel(context: &Context, explorer: &mut Explorer, room: &Room) {
     let Some(picked) = explorer.picked.clone() else {
         return;
     };
@@ -388,20 +495,36 @@ fn picked_panel(context: &Context, explorer: &mut Explorer) {
     let mut go = None;
     let window = egui::Window::new("What is this?").anchor(Align2::LEFT_BOTTOM, [10.0, -10.0]);
     window.resizable(false).open(&mut open).show(context, |ui| {
-        heading(ui, &picked.what);
-        egui::Grid::new("picked").num_columns(2).show(ui, |ui| {
-            for (name, value) in &picked.facts {
-                row(ui, name, value.clone());
+        scrolled(ui, room.side + 60.0, room.picked, |ui| {
+            heading(ui, &picked.what);
+            egui::Grid::new("picked").num_columns(2).show(ui, |ui| {
+                for (name, value) in &picked.facts {
+                    row(ui, name, value.clone());
+                }
+                if let Some(name) = picked.cell.and_then(|c| explorer.name_of(c)) {
+                    row(ui, "called", name);
+                }
+            });
+            if !picked.portals.is_empty() {
+                heading(ui, "seen through, from the eye");
             }
-            if let Some(name) = picked.cell.and_then(|c| explorer.name_of(c)) {
-                row(ui, "called", name);
+            for p in &picked.portals {
+                let [r, g, b] = p.verdict.color();
+                let to = portals::leads_to(p.to);
+                let text = format!(
+                    "{:04X} to {to}, {:.1} m: {}",
+                    p.from.low(),
+                    p.distance,
+                    p.verdict.text()
+                );
+                ui.label(RichText::new(text).color(Color32::from_rgb(r, g, b)));
+            }
+            if let Some(cell) = picked.cell
+                && ui.button("go there").clicked()
+            {
+                go = Some(cell);
             }
         });
-        if let Some(cell) = picked.cell
-            && ui.button("go there").clicked()
-        {
-            go = Some(cell);
-        }
     });
     if let Some(cell) = go {
         explorer.teleport(&cell.to_string());
@@ -413,24 +536,49 @@ fn picked_panel(context: &Context, explorer: &mut Explorer) {
 
 fn help(context: &Context, explorer: &mut Explorer) {
     let mut open = true;
+    let size = context.content_rect().size();
     let window = egui::Window::new("Keys").anchor(Align2::CENTER_CENTER, [0.0, 0.0]);
-    window
-        .resizable(false)
-        .collapsible(false)
-        .open(&mut open)
-        .show(context, |ui| {
-            egui::Grid::new("keys")
-                .num_columns(2)
-                .striped(true)
-                .show(ui, |ui| {
-                    for (keys, what) in KEYS {
-                        ui.label(RichText::new(keys).color(GOLD));
-                        ui.label(what);
-                        ui.end_row();
-                    }
-                });
-        });
+    let window = window.resizable(false).collapsible(false).open(&mut open);
+    // Two columns where there is room for them.
+    let two = size.x >= 860.0;
+    let most = size.x - 30.0;
+    let whole = if two { 800.0 } else { 400.0 };
+    let width = if whole < most { whole } else { most };
+    window.default_size([width, size.y]).show(context, |ui| {
+        ui.set_width(width);
+        let height = size.y - 80.0;
+        egui::ScrollArea::vertical()
+            .max_height(if height > 40.0 { height } else { 40.0 })
+            .show(ui, |ui| {
+                ui.set_width(width);
+                if two {
+                    ui.columns(2, |columns| {
+                        if let [left, right] = columns {
+                            keys_of(left, &[Group::Move, Group::Window]);
+                            keys_of(right, &[Group::Why, Group::Go]);
+                        }
+                    });
+                } else {
+                    keys_of(ui, &Group::ALL);
+                }
+            });
+    });
     explorer.show_help &= open;
+}
+
+fn keys_of(ui: &mut Ui, groups: &[Group]) {
+    for group in groups {
+        ui.label(RichText::new(group.name()).color(DIM).strong());
+        let grid = egui::Grid::new(group.name()).num_columns(2).min_col_width(104.0);
+        grid.show(ui, |ui| {
+            for (_, keys, what) in KEYS.iter().filter(|k| k.0 == *group) {
+                ui.label(RichText::new(*keys).color(GOLD));
+                ui.label(*what);
+                ui.end_row();
+            }
+        });
+        ui.add_space(6.0);
+    }
 }
 
 fn typing(context: &Context, explorer: &mut Explorer) {
@@ -439,10 +587,15 @@ fn typing(context: &Context, explorer: &mut Explorer) {
     };
     let mut wanted: Option<String> = None;
     let mut cancelled = false;
+    let size = context.content_rect().size();
+    let wide = size.x - 60.0;
+    let high = (size.y - 180.0).clamp(20.0, 220.0);
     let window = egui::Window::new("Go to").anchor(Align2::CENTER_TOP, [0.0, 60.0]);
     window.resizable(false).collapsible(false).show(context, |ui| {
         ui.label(RichText::new("a position, 42.1N 33.6E, a cell or a name").color(DIM));
-        let edit = ui.add(egui::TextEdit::singleline(&mut text).desired_width(360.0));
+        let edit = ui.add(
+            egui::TextEdit::singleline(&mut text).desired_width(if wide < 360.0 { wide } else { 360.0 }),
+        );
         edit.request_focus();
         ui.input(|i| {
             if i.key_pressed(egui::Key::Enter) {
@@ -455,8 +608,8 @@ fn typing(context: &Context, explorer: &mut Explorer) {
             .names
             .iter()
             .filter(|n| n.name.to_lowercase().contains(&lower));
-        egui::ScrollArea::vertical().max_height(220.0).show(ui, |ui| {
-            for place in names.take(60) {
+        egui::ScrollArea::vertical().max_height(high).show(ui, |ui| {
+            for place in names.take(200) {
                 if ui.selectable_label(false, &place.name).clicked() {
                     wanted = Some(place.name.clone());
                 }
@@ -479,8 +632,13 @@ fn notices(context: &Context, explorer: &Explorer) {
             .corner_radius(4.0)
             .inner_margin(8.0)
             .show(ui, |ui| {
-                ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
-                ui.label(RichText::new(text).size(15.0))
+                // As wide as its words, as far as the window goes.
+                let most = context.content_rect().width() - 40.0;
+                let font = egui::FontId::proportional(15.0);
+                let galley =
+                    ui.painter()
+                        .layout(text.to_owned(), font, INK, if most > 60.0 { most } else { 60.0 });
+                ui.label(galley)
             });
     });
 }

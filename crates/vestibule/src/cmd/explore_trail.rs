@@ -36,6 +36,9 @@ struct Frame<'a> {
     path: &'static str,
     /// Rooms that the traversal listed.
     rooms: usize,
+    /// The eye of the camera that flies, in the frame of the viewer's landblock, while the traversal is held.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    held: Option<[f32; 3]>,
     /// The message on the screen.
     #[serde(skip_serializing_if = "Option::is_none")]
     says: Option<&'a str>,
@@ -57,6 +60,7 @@ fn frame(explorer: &Explorer) -> Frame<'_> {
             _ => "nothing",
         },
         rooms: explorer.frame().floods().iter().map(|f| f.cells().len()).sum(),
+        held: explorer.flying_at().map(|p| p.origin().into()),
         says: explorer.message(),
     }
 }
@@ -67,10 +71,10 @@ fn write(out: &mut dyn Write, explorer: &Explorer, said: &mut Option<String>) ->
     let news = told.is_some() && told != *said;
     let mut steps = explorer.trail().to_vec();
     if steps.is_empty()
-        && news
+        && (news || explorer.is_frozen())
         && let Some(body) = explorer.body()
     {
-        // Nobody moves while the traversal is held, but there is something to tell.
+        // Nobody moves while the traversal is held, but there is something to see.
         steps.push(TrailStep {
             seconds: explorer.clock(),
             cell: explorer.player_cell(),
