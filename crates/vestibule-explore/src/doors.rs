@@ -1,5 +1,6 @@
 //! Doors to open and close. Worlds come with their doors standing open, as static objects; closing one puts a body in
-//! its opening and hides the static one.
+//! its opening and hides the static one. The hidden leaf is no longer drawn, but it is still bumped into where it stood:
+//! static objects cannot be taken out of a world.
 
 use glam::{Quat, Vec3};
 use vestibule_physics::{Body, BodyId, ObjectRef, Population, Scratch};

@@ -1,5 +1,6 @@
 //! The state behind the window: the player, the camera, what is shown. It knows no window and no GPU.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use glam::{Quat, Vec2, Vec3};
@@ -9,7 +10,7 @@ use vestibule_view::{
     Camera, CameraMode, CameraRig, ChaseCamera, Command, FrameInput, FramePath, FrameSettings, FrameView,
     LightSet, Openings, PlayerCell, Viewer, ViewerTarget, Views, WorldObjects, retail_fov_y,
 };
-use vestibule_world::{CellId, Position, World};
+use vestibule_world::{BlockId, CellId, Position, World};
 
 use crate::doors::{DoorOutcome, Doors};
 use crate::error::ExploreError;
@@ -30,6 +31,10 @@ const LONGEST_TICK: f32 = 1.0;
 /// Seconds of a step of bodies: always the same, so that a walk does not depend on how fast pictures are drawn. Just
 /// over the shortest time that is integrated (`transition.md` 9.8).
 const STEP: f64 = 1.0 / 30.0 + 1.0e-6;
+/// Landblocks to each side of the viewer's where everything is drawn.
+const AROUND: i32 = 2;
+/// Landblocks that are loaded in a tick at most where everything is drawn.
+const LOADS_A_TICK: usize = 2;
 /// The share of a day that a key changes the time by: an hour.
 const HOUR: f32 = 1.0 / 24.0;
 
@@ -41,7 +46,7 @@ pub enum Show {
     Reached,
     /// One cell and what is in it.
     SingleCell,
-    /// Everything loaded around the viewer.
+    /// Everything within two landblocks of the viewer. What is not loaded is, a few landblocks a tick.
     Everything,
 }
 
@@ -86,6 +91,8 @@ pub struct Explorer {
     message: Option<(String, f64)>,
     viewport: Vec2,
     commands: Vec<Command>,
+    /// Landblocks that were loaded, or tried to be, because everything is drawn.
+    asked: BTreeSet<BlockId>,
     /// Places with names.
     pub names: Vec<NamedPlace>,
     /// Overlays that are on, by their position in [`Overlay::ALL`].
@@ -144,6 +151,7 @@ impl Explorer {
             message: None,
             viewport: Vec2::new(1280.0, 720.0),
             commands: Vec::new(),
+            asked: BTreeSet::new(),
             names,
             overlays: [false; 5],
             show: Show::Reached,
@@ -465,6 +473,7 @@ impl Explorer {
         }
         if let Some(fly) = &mut self.fly {
             fly.tick(held, dt);
+            self.tapped = Held::default();
             self.prepare_commands();
             return;
         }
@@ -566,11 +575,20 @@ impl Explorer {
         match self.show {
             Show::Everything => {
                 if let Some(camera) = self.camera() {
+                    let missing = everything::to_load(&self.world, camera.cell().block(), AROUND);
+                    let asked = &mut self.asked;
+                    for block in missing
+                        .into_iter()
+                        .filter(|b| asked.insert(*b))
+                        .take(LOADS_A_TICK)
+                    {
+                        self.world.block(block);
+                    }
                     everything::commands(
                         &self.world,
                         &self.population,
                         camera.cell().block(),
-                        2,
+                        AROUND,
                         &mut commands,
                     );
                 }
@@ -667,6 +685,14 @@ impl Explorer {
         for (on, overlay) in self.overlays.iter().zip(Overlay::ALL) {
             if *on {
                 marks.overlay(overlay, &self.world, &self.frame, player);
+            }
+        }
+        if self.overlays.get(3) == Some(&true) {
+            let bodies = self.population.bodies();
+            let shown = bodies.filter(|(id, _)| !self.doors.hides(ObjectRef::Body(*id)));
+            let first = self.fly.is_none() && self.rig.camera.mode() == CameraMode::FirstPerson;
+            for (_, body) in shown.filter(|(id, _)| !(first && *id == self.player)) {
+                marks.body(body);
             }
         }
         if self.fly.is_some() {

@@ -84,6 +84,11 @@ impl GpuScreen {
         self.target.as_ref()?.image(&self.gpu).ok()
     }
 
+    /// Destroys the device, as a driver does that gives up.
+    pub(crate) fn destroy(&self) {
+        self.gpu.device.destroy();
+    }
+
     fn free(&mut self, delta: &TexturesDelta) {
         for id in &delta.free {
             self.panels.free_texture(id);

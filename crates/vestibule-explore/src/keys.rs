@@ -108,7 +108,7 @@ pub const KEYS: [(Group, &str, &str); 24] = [
     (Group::Why, "4", "collision polygons"),
     (Group::Why, "5", "stab list"),
     (Group::Why, "G", "hold the traversal, fly out (Space up, C down)"),
-    (Group::Why, "O, P", "draw one cell only; draw everything loaded"),
+    (Group::Why, "O, P", "draw one cell only; draw everything near"),
     (Group::Window, "Tab", "panels"),
     (Group::Window, "F2", "save the picture"),
     (Group::Window, "H or F1, Esc", "these keys; close, then leave"),

@@ -22,6 +22,7 @@
 //!     cpu: false,
 //!     pictures: ".".into(),
 //!     watch: None,
+//!     lose_device: Vec::new(),
 //! })
 //! # }
 //! ```

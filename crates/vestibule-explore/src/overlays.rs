@@ -1,6 +1,7 @@
 //! What is drawn over the picture to show what is behind it: lines and areas on the screen.
 
 use glam::{Vec2, Vec3};
+use vestibule_physics::Body;
 use vestibule_view::{Camera, FrameView};
 use vestibule_world::{BoundingBox, CellId, EnvCell, World};
 
@@ -43,10 +44,11 @@ impl Overlay {
     }
 }
 
-/// Colours of what is collided with: rooms, objects, shells of buildings.
+/// Colours of what is collided with: rooms, objects, shells of buildings, bodies.
 const ROOM_WALLS: [u8; 3] = [255, 90, 90];
 const OBJECTS: [u8; 3] = [255, 190, 70];
 const SHELLS: [u8; 3] = [255, 120, 200];
+const BODIES: [u8; 3] = [110, 230, 255];
 /// Colours of the stab list: listed by the traversal, and not.
 const SEEN: [u8; 3] = [90, 230, 110];
 const UNSEEN: [u8; 3] = [160, 160, 190];
@@ -74,6 +76,7 @@ impl Overlay {
                 (ROOM_WALLS, "rooms"),
                 (OBJECTS, "objects"),
                 (SHELLS, "shells of buildings"),
+                (BODIES, "bodies: the player, closed doors"),
             ],
             Overlay::StabList => vec![
                 ([255, 255, 255], "the viewer's cell"),
@@ -383,6 +386,35 @@ impl<'a> Marks<'a> {
                         .collect();
                     self.polygon(&corners, with_alpha(SHELLS, 150), 1.0, [0; 4]);
                 }
+            }
+        }
+    }
+
+    /// What a body collides with: its polygons, or its spheres.
+    pub fn body(&mut self, body: &Body) {
+        let eye = self.camera.eye_in(body.position().cell.block());
+        let color = with_alpha(BODIES, 220);
+        for (part, frame) in body.shape().parts.iter().zip(body.part_frames()) {
+            let Some(physics) = part.model.as_ref().and_then(|m| m.physics.as_ref()) else {
+                continue;
+            };
+            let scale = part.scale * body.scale();
+            for polygon in physics.polygons().polygons() {
+                let vertices = physics.polygons().vertices(polygon).iter();
+                let corners: Vec<Vec3> = vertices
+                    .map(|v| frame.local_to_global(*v * scale) - eye)
+                    .collect();
+                self.polygon(&corners, color, 1.0, [0; 4]);
+            }
+        }
+        for sphere in &body.shape().spheres {
+            let at = |p: Vec3| body.position().frame.local_to_global(p * body.scale()) - eye;
+            for (a, b) in [(Vec3::X, Vec3::Y), (Vec3::Y, Vec3::Z), (Vec3::Z, Vec3::X)] {
+                let ring = core::array::from_fn::<Vec3, 20, _>(|k| {
+                    let (sin, cos) = libm::sincosf(k as f32 * core::f32::consts::TAU / 20.0);
+                    at(sphere.center + (a * cos + b * sin) * sphere.radius)
+                });
+                self.polygon(&ring, color, 1.0, [0; 4]);
             }
         }
     }

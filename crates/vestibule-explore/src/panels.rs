@@ -77,8 +77,11 @@ pub(crate) fn show(context: &Context, explorer: &mut Explorer, times: &FrameTime
     if let Some(camera) = explorer.camera() {
         marks(context, &explorer.marks(), camera.viewport());
     }
-    let room = Room::of(context.content_rect().size(), explorer);
-    if explorer.show_panels {
+    let size = context.content_rect().size();
+    let room = Room::of(size, explorer);
+    // Keys are read better with nothing behind them.
+    let covered = explorer.show_help && size.x < 1500.0;
+    if explorer.show_panels && !covered {
         where_panel(context, explorer, &room);
         view_panel(context, explorer, times, &room);
     }
@@ -158,7 +161,10 @@ fn marks(context: &Context, marks: &[Mark], viewport: glam::Vec2) {
     let (sx, sy) = (size.x / viewport.x, size.y / viewport.y);
     let at = |p: &glam::Vec2| egui::pos2(p.x * sx, p.y * sy);
     let mut labels: Vec<egui::Rect> = Vec::new();
-    for mark in marks {
+    // Words last, so that no line goes through them.
+    let (words, shapes): (Vec<&Mark>, Vec<&Mark>) =
+        marks.iter().partition(|m| matches!(m, Mark::Label { .. }));
+    for mark in shapes.into_iter().chain(words) {
         match mark {
             Mark::Line { a, b, color, width } => {
                 let [r, g, b_, a_] = *color;
@@ -418,7 +424,7 @@ fn draw_list(ui: &mut Ui, explorer: &mut Explorer) {
         *counts.entry(name).or_default() += 1;
     }
     let summary: Vec<String> = counts.iter().map(|(name, n)| format!("{n} {name}")).collect();
-    heading(ui, "draw list");
+    heading(ui, "draw list of the traversal");
     ui.label(RichText::new(summary.join(", ")).color(DIM));
     let path = match explorer.frame().path() {
         FramePath::Outdoors => {

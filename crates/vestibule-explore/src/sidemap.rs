@@ -8,7 +8,7 @@ use crate::explorer::Explorer;
 use crate::overlays::cell_color;
 
 /// Metres across the map before it is zoomed, and the least and most of them.
-const ACROSS: (f32, f32, f32) = (36.0, 8.0, 400.0);
+const ACROSS: (f32, f32, f32) = (26.0, 8.0, 400.0);
 /// Rooms this far above or below the player are drawn faintly, metres.
 const STOREY: f32 = 2.6;
 
@@ -55,7 +55,9 @@ pub(crate) fn show(context: &Context, explorer: &mut Explorer, side: f32) {
     let mut go: Option<Position> = None;
     let mut open = true;
     let window = egui::Window::new("Map").anchor(Align2::RIGHT_BOTTOM, [-10.0, -10.0]);
-    window.resizable(false).open(&mut open).show(context, |ui| {
+    let window = window.resizable(false).default_size([side, side]);
+    window.open(&mut open).show(context, |ui| {
+        ui.set_max_width(side);
         let size = egui::vec2(side, side);
         let (response, painter) = ui.allocate_painter(size, egui::Sense::click());
         let rect = response.rect;

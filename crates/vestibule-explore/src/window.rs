@@ -1,5 +1,6 @@
 //! The window: events in, frames out.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
@@ -23,6 +24,10 @@ use crate::panels::{self, FrameTimes};
 
 /// Movement of a pressed mouse that still is a click, pixels.
 const CLICK: f64 = 4.0;
+/// A device that was lost more often than this within a few seconds is not opened again.
+const MOST_LOSSES: usize = 3;
+/// A few seconds.
+const FEW_SECONDS: f32 = 20.0;
 
 /// How the window is opened.
 pub struct Options {
@@ -40,6 +45,9 @@ pub struct Options {
     pub pictures: PathBuf,
     /// Is shown the state after every frame.
     pub watch: Option<Watch>,
+    /// Seconds after which the graphics device is destroyed, to try out what happens then; several times if it is to be
+    /// lost again.
+    pub lose_device: Vec<f32>,
 }
 
 /// Looks on after every frame. An error is told in the window, and ends the looking on.
@@ -61,6 +69,9 @@ pub fn run(options: Options) -> Result<(), ExploreError> {
         cpu: options.cpu,
         pictures: options.pictures,
         watch: options.watch,
+        to_lose: options.lose_device,
+        begun: Instant::now(),
+        losses: Vec::new(),
         open: None,
         failed: None,
         held: Held::default(),
@@ -94,6 +105,32 @@ struct Opened {
     input: egui_winit::State,
 }
 
+impl Opened {
+    fn new(window: Arc<Window>, screen: Screen) -> Self {
+        let context = egui::Context::default();
+        panels::style(&context);
+        let longest = match &screen {
+            Screen::Gpu(gpu) => gpu.longest_side() as usize,
+            Screen::Cpu(_) => 4096,
+        };
+        let root = egui::ViewportId::ROOT;
+        let input = egui_winit::State::new(
+            context.clone(),
+            root,
+            &window,
+            None,
+            window.theme(),
+            Some(longest),
+        );
+        Opened {
+            window,
+            screen,
+            context,
+            input,
+        }
+    }
+}
+
 struct App {
     phase: Phase,
     title: String,
@@ -102,6 +139,11 @@ struct App {
     cpu: bool,
     pictures: PathBuf,
     watch: Option<Watch>,
+    /// Seconds since `begun` when the device is to be destroyed.
+    to_lose: Vec<f32>,
+    begun: Instant,
+    /// When devices were lost.
+    losses: Vec<Instant>,
     open: Option<Opened>,
     failed: Option<ExploreError>,
     held: Held,
@@ -148,26 +190,7 @@ impl App {
         let window = Arc::new(window);
         let (screen, notice) = screen(event_loop, &window, self.adapter, self.cpu)?;
         self.note(&screen, notice);
-        let context = egui::Context::default();
-        panels::style(&context);
-        let longest = match &screen {
-            Screen::Gpu(gpu) => gpu.longest_side() as usize,
-            Screen::Cpu(_) => 4096,
-        };
-        let input = egui_winit::State::new(
-            context.clone(),
-            egui::ViewportId::ROOT,
-            &window,
-            None,
-            window.theme(),
-            Some(longest),
-        );
-        Ok(Opened {
-            window,
-            screen,
-            context,
-            input,
-        })
+        Ok(Opened::new(window, screen))
     }
 
     fn note(&mut self, screen: &Screen, notice: Option<String>) {
@@ -176,7 +199,6 @@ impl App {
             Screen::Cpu(_) => "CPU renderer".to_owned(),
         };
         if let Some(notice) = notice {
-            use std::io::Write as _;
             // Who closed stderr does not want to know.
             let _ = writeln!(std::io::stderr(), "{notice}");
             self.times.adapter = notice;
@@ -213,7 +235,15 @@ impl App {
         let now = Instant::now();
         let dt = (now - self.last).as_secs_f32();
         self.last = now;
+        let lose = self
+            .to_lose
+            .first()
+            .is_some_and(|at| (now - self.begun).as_secs_f32() > *at);
         let Some(open) = &mut self.open else { return };
+        if lose && let Screen::Gpu(gpu) = &open.screen {
+            self.to_lose.remove(0);
+            gpu.destroy();
+        }
         let size = open.window.inner_size();
         if size.width == 0 || size.height == 0 {
             // Minimised: nothing to draw, and no hurry.
@@ -289,23 +319,28 @@ impl App {
         // The window stays; what belongs to the lost device goes first.
         let window = open.window.clone();
         drop(open.screen);
+        let now = Instant::now();
+        self.losses.push(now);
+        self.losses
+            .retain(|then| (now - *then).as_secs_f32() < FEW_SECONDS);
+        // What is lost again and again is of no use.
+        self.cpu |= self.losses.len() > MOST_LOSSES;
         match screen(event_loop, &window, self.adapter, self.cpu) {
             Ok((screen, notice)) => {
+                let on_gpu = matches!(screen, Screen::Gpu(_));
                 self.note(&screen, notice);
-                let context = egui::Context::default();
-                panels::style(&context);
-                let root = egui::ViewportId::ROOT;
-                let input =
-                    egui_winit::State::new(context.clone(), root, &window, None, window.theme(), None);
                 window.request_redraw();
-                self.open = Some(Opened {
-                    window,
-                    screen,
-                    context,
-                    input,
-                });
+                self.open = Some(Opened::new(window, screen));
+                let what = if on_gpu {
+                    "opened anew"
+                } else {
+                    "the CPU draws now"
+                };
+                let text = format!("the graphics device was lost, {what}: {why}");
+                // Who closed stderr does not want to know.
+                let _ = writeln!(std::io::stderr(), "{text}");
                 if let Phase::Exploring(explorer) = &mut self.phase {
-                    explorer.tell(format!("the graphics device was lost and opened anew: {why}"));
+                    explorer.tell(text);
                 }
             }
             Err(error) => self.fail(event_loop, error),

@@ -42,6 +42,9 @@ pub(crate) struct Args {
     /// it, `vestibule replay` holds it against the world
     #[arg(long, value_name = "FILE")]
     trail: Option<PathBuf>,
+    /// Destroy the graphics device after so many seconds, to try out what happens then
+    #[arg(long, value_name = "SECONDS", hide = true, value_delimiter = ',')]
+    lose_device: Vec<f32>,
     /// Print the keys and open no window
     #[arg(long)]
     keys: bool,
@@ -92,6 +95,7 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         },
         cpu: args.cpu,
         pictures: args.pictures.clone(),
+        lose_device: args.lose_device.clone(),
         watch: args.trail.as_deref().map(explore_trail::watch).transpose()?,
     };
     vestibule_explore::run(options).map_err(|error| {
