@@ -1,5 +1,8 @@
 //! The state behind the window: the player, the camera, what is shown. It knows no window and no GPU.
 
+mod acting;
+mod looking;
+
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -12,15 +15,13 @@ use vestibule_view::{
 };
 use vestibule_world::{BlockId, CellId, Position, World};
 
-use crate::doors::{DoorOutcome, Doors};
+use crate::doors::Doors;
 use crate::error::ExploreError;
 use crate::everything;
 use crate::fly::FlyCamera;
-use crate::keys::{Action, Held};
-use crate::overlays::{Mark, Marks, Overlay};
-use crate::picking::{Picked, pick};
+use crate::keys::Held;
+use crate::picking::Picked;
 use crate::places::{self, NamedPlace};
-use crate::portals;
 
 /// Seconds a message stays.
 const MESSAGE_SECONDS: f64 = 6.0;
@@ -35,8 +36,6 @@ const STEP: f64 = 1.0 / 30.0 + 1.0e-6;
 const AROUND: i32 = 2;
 /// Landblocks that are loaded in a tick at most where everything is drawn.
 const LOADS_A_TICK: usize = 2;
-/// The share of a day that a key changes the time by: an hour.
-const HOUR: f32 = 1.0 / 24.0;
 
 /// What is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -346,106 +345,6 @@ impl Explorer {
         }
     }
 
-    /// Does what a key asks for once.
-    pub fn act(&mut self, action: Action) {
-        match action {
-            Action::Help => self.show_help = !self.show_help,
-            Action::Panels => self.show_panels = !self.show_panels,
-            Action::Map => self.show_map = !self.show_map,
-            Action::Overlay(k) => {
-                if let (Some(on), Some(overlay)) = (self.overlays.get_mut(k), Overlay::ALL.get(k)) {
-                    *on = !*on;
-                    let text = format!("{} {}", overlay.name(), if *on { "on" } else { "off" });
-                    self.tell(text);
-                }
-            }
-            Action::Freeze => self.freeze(),
-            Action::SingleCell => {
-                self.show = if self.show == Show::SingleCell {
-                    Show::Reached
-                } else {
-                    Show::SingleCell
-                };
-                self.single = None;
-                self.tell(self.shown());
-            }
-            Action::Everything => {
-                self.show = if self.show == Show::Everything {
-                    Show::Reached
-                } else {
-                    Show::Everything
-                };
-                self.tell(self.shown());
-            }
-            Action::Door => self.door(),
-            Action::FirstPerson => {
-                let first = self.rig.camera.mode() == CameraMode::FirstPerson;
-                let mode = if first {
-                    CameraMode::Chase
-                } else {
-                    CameraMode::FirstPerson
-                };
-                self.rig.camera.set_mode(mode);
-            }
-            Action::Screenshot => self.wants_screenshot = true,
-            Action::Time(step) => {
-                let time = self.time_of_day + f32::from(step) * HOUR;
-                self.time_of_day = time - libm::floorf(time);
-                self.tell(format!("time of day {}", clock(self.time_of_day)));
-            }
-            Action::Teleport => self.typing = Some(String::new()),
-            Action::Home => {
-                let start = self.start;
-                self.go_to(&start);
-            }
-            Action::Escape => self.escape(),
-        }
-    }
-
-    fn shown(&self) -> &'static str {
-        match self.show {
-            Show::Reached => "drawing what the traversal reaches",
-            Show::SingleCell => "drawing the player's cell only",
-            Show::Everything => "drawing everything, no traversal",
-        }
-    }
-
-    fn escape(&mut self) {
-        if self.typing.take().is_some() {
-        } else if self.show_help {
-            self.show_help = false;
-        } else if self.picked.take().is_some() {
-        } else if self.fly.is_some() {
-            self.freeze();
-        } else {
-            self.wants_to_leave = true;
-        }
-    }
-
-    fn freeze(&mut self) {
-        if self.fly.take().is_some() {
-            self.tell("the traversal goes on");
-        } else if let Some(camera) = self.frame.camera() {
-            self.fly = Some(FlyCamera::from(camera));
-            self.tell("the traversal is held: fly with W A S D, Space and C; G goes on");
-        }
-    }
-
-    fn door(&mut self) {
-        let Some(at) = self.body().map(|b| *b.position()) else {
-            return;
-        };
-        let outcome = self
-            .doors
-            .toggle(&self.world, &mut self.population, &mut self.scratch, &at);
-        self.tell(match outcome {
-            DoorOutcome::Closed => "the door is closed",
-            DoorOutcome::Opened => "the door is open",
-            DoorOutcome::Blocked => "something stands in the door",
-            DoorOutcome::None => "no door within reach",
-        });
-    }
-
     /// Notes keys that were pressed: each counts for one step at least, even if it is up again before the next tick.
     pub fn tap(&mut self, keys: Held) {
         self.tapped = self.tapped.or(keys);
@@ -673,69 +572,6 @@ impl Explorer {
             .with_population(&self.population)
             .with_player(self.player, opacity)
             .at_time(self.time_of_day)
-    }
-
-    /// Marks of the overlays that are on.
-    pub fn marks(&self) -> Vec<Mark> {
-        let Some(camera) = self.camera() else {
-            return Vec::new();
-        };
-        let mut marks = Marks::new(&camera);
-        let player = self.player_cell();
-        for (on, overlay) in self.overlays.iter().zip(Overlay::ALL) {
-            if *on {
-                marks.overlay(overlay, &self.world, &self.frame, player);
-            }
-        }
-        if self.overlays.get(3) == Some(&true) {
-            let bodies = self.population.bodies();
-            let shown = bodies.filter(|(id, _)| !self.doors.hides(ObjectRef::Body(*id)));
-            let first = self.fly.is_none() && self.rig.camera.mode() == CameraMode::FirstPerson;
-            for (_, body) in shown.filter(|(id, _)| !(first && *id == self.player)) {
-                marks.body(body);
-            }
-        }
-        if self.fly.is_some() {
-            self.mark_frozen_eye(&mut marks);
-        }
-        marks.list
-    }
-
-    /// Where the held traversal looked from: its eye and the corners of its screen.
-    fn mark_frozen_eye(&self, marks: &mut Marks<'_>) {
-        let (Some(held), Some(camera)) = (self.frame.camera(), self.camera()) else {
-            return;
-        };
-        let eye = held.eye_in(camera.cell().block()) - camera.eye();
-        let size = held.viewport();
-        let corner = |x: f32, y: f32| eye + held.ray_through(Vec2::new(x, y)).normalize_or_zero() * 4.0;
-        let corners = [
-            corner(0.0, 0.0),
-            corner(size.x, 0.0),
-            corner(size.x, size.y),
-            corner(0.0, size.y),
-        ];
-        for c in corners {
-            marks.line(eye, c, [255, 255, 255, 230], 2.0);
-        }
-        marks.polygon(&corners, [255, 255, 255, 230], 2.0, [255, 255, 255, 18]);
-        marks.label(eye, "eye", [255, 255, 255]);
-    }
-
-    /// Finds out what is at a pixel.
-    pub fn pick(&mut self, pixel: Vec2) {
-        let Some(camera) = self.camera() else { return };
-        let input = match (&self.fly, self.input) {
-            (None, Some(input)) => FrameInput { camera, ..input },
-            _ => FrameInput::new(camera),
-        };
-        let doors = &self.doors;
-        let hidden = |c: &Command| matches!(c, Command::Object { id, .. } if doors.hides(*id));
-        let mut found = pick(&self.scene(), &self.openings, &input, hidden, pixel);
-        if let Some(found) = &mut found {
-            found.portals = portals::along(&self.world, &self.frame, &camera, pixel);
-        }
-        self.picked = found;
     }
 }
 

@@ -286,9 +286,17 @@ impl<'a> Marks<'a> {
                     let corners = portals::corners(self.camera, cell, portal);
                     let [r, g, b] = verdict.color();
                     let passed = matches!(verdict, Verdict::Passed | Verdict::Outside);
-                    let (width, fill) = if passed { (3.0, 50) } else { (1.5, 22) };
+                    let (width, fill) = match verdict {
+                        Verdict::FacesAway => (1.0, 0),
+                        _ if passed => (3.0, 40),
+                        _ => (1.5, 22),
+                    };
                     self.polygon(&corners, [r, g, b, 255], width, [r, g, b, fill]);
                     let sum: Vec3 = corners.iter().copied().sum();
+                    // The back of a portal that was passed the other way tells nothing new.
+                    if verdict == Verdict::FacesAway {
+                        continue;
+                    }
                     let to = portals::leads_to(portal.other);
                     let text = format!("{:04X} to {to}: {}", seen.id.low(), verdict.text());
                     self.label(sum / corners.len().max(1) as f32, text, [r, g, b]);
@@ -300,7 +308,10 @@ impl<'a> Marks<'a> {
             if judge.eye() == self.camera.eye() {
                 let region = frame.look_ins().punch(look_in);
                 let corners: Vec<Vec3> = region.edges().iter().map(|e| e.corner).collect();
-                self.polygon(&corners, with_alpha(LOOK_IN, 255), 3.0, with_alpha(LOOK_IN, 40));
+                self.polygon(&corners, with_alpha(LOOK_IN, 255), 3.0, with_alpha(LOOK_IN, 30));
+                let sum: Vec3 = corners.iter().copied().sum();
+                let text = format!("outside to {:04X}: looked into", look_in.entry.low());
+                self.label(sum / corners.len().max(1) as f32, text, LOOK_IN);
             }
         }
     }

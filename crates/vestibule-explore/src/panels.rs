@@ -7,7 +7,9 @@ use vestibule_view::{Command, FramePath};
 use vestibule_world::{CellId, MapCoordinates, PortalTarget};
 
 use crate::explorer::{Explorer, Show, clock};
-use crate::keys::{Action, Group, KEYS};
+use crate::key_list;
+use crate::keys::Action;
+use crate::layout::{self, Room, scrolled};
 use crate::overlays::{Mark, Overlay, cell_color};
 use crate::portals;
 use crate::sidemap;
@@ -50,8 +52,8 @@ impl FrameTimes {
 }
 
 const INK: Color32 = Color32::from_rgb(226, 222, 208);
-const DIM: Color32 = Color32::from_rgb(150, 148, 138);
-const GOLD: Color32 = Color32::from_rgb(236, 196, 110);
+pub(crate) const DIM: Color32 = Color32::from_rgb(150, 148, 138);
+pub(crate) const GOLD: Color32 = Color32::from_rgb(236, 196, 110);
 
 /// Colours and spacing.
 pub(crate) fn style(context: &Context) {
@@ -78,6 +80,9 @@ pub(crate) fn show(context: &Context, explorer: &mut Explorer, times: &FrameTime
         marks(context, &explorer.marks(), camera.viewport());
     }
     let size = context.content_rect().size();
+    if !layout::fits(size) {
+        return;
+    }
     let room = Room::of(size, explorer);
     // Keys are read better with nothing behind them.
     let covered = explorer.show_help && size.x < 1500.0;
@@ -92,55 +97,10 @@ pub(crate) fn show(context: &Context, explorer: &mut Explorer, times: &FrameTime
         picked_panel(context, explorer, &room);
     }
     if explorer.show_help {
-        help(context, explorer);
+        key_list::show(context, explorer);
     }
     typing(context, explorer);
     notices(context, explorer);
-}
-
-/// How much of the window each panel may take, so that none covers another; points. What does not fit is scrolled to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Room {
-    /// Width of the panels at the sides.
-    side: f32,
-    /// Height of what is in "Where".
-    place: f32,
-    /// Height of what is in "View".
-    view: f32,
-    /// Height of what is in "What is this?".
-    picked: f32,
-    /// Side of the map.
-    map: f32,
-}
-
-impl Room {
-    /// Height of a panel's title and borders, and of the gap to the next.
-    const FRAME: f32 = 50.0;
-
-    fn of(window: egui::Vec2, explorer: &Explorer) -> Room {
-        let least = |a: f32, b: f32| if a < b { a } else { b };
-        let most = |a: f32, b: f32| if a > b { a } else { b };
-        let whole = most(window.y - Self::FRAME - 10.0, 20.0);
-        let map = most(least(least(320.0, window.y * 0.42), window.x * 0.4), 80.0);
-        let below = |open: bool, height: f32| if open { height + Self::FRAME } else { 0.0 };
-        let picked = most(least(240.0, whole * 0.45), 20.0);
-        Room {
-            side: most(least(270.0, window.x * 0.5 - 40.0), 60.0),
-            place: most(whole - below(explorer.picked.is_some(), picked), 20.0),
-            view: most(whole - below(explorer.show_map, map), 20.0),
-            picked,
-            map,
-        }
-    }
-}
-
-/// What does not fit is scrolled to.
-fn scrolled(ui: &mut Ui, width: f32, height: f32, fill: impl FnOnce(&mut Ui)) {
-    ui.set_max_width(width);
-    egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
-        ui.set_max_width(width);
-        fill(ui);
-    });
 }
 
 /// A few words in a colour, behind a patch of it.
@@ -540,53 +500,6 @@ fn picked_panel(context: &Context, explorer: &mut Explorer, room: &Room) {
     }
 }
 
-fn help(context: &Context, explorer: &mut Explorer) {
-    let mut open = true;
-    let size = context.content_rect().size();
-    let window = egui::Window::new("Keys").anchor(Align2::CENTER_CENTER, [0.0, 0.0]);
-    let window = window.resizable(false).collapsible(false).open(&mut open);
-    // Two columns where there is room for them.
-    let two = size.x >= 860.0;
-    let most = size.x - 30.0;
-    let whole = if two { 800.0 } else { 400.0 };
-    let width = if whole < most { whole } else { most };
-    window.default_size([width, size.y]).show(context, |ui| {
-        ui.set_width(width);
-        let height = size.y - 80.0;
-        egui::ScrollArea::vertical()
-            .max_height(if height > 40.0 { height } else { 40.0 })
-            .show(ui, |ui| {
-                ui.set_width(width);
-                if two {
-                    ui.columns(2, |columns| {
-                        if let [left, right] = columns {
-                            keys_of(left, &[Group::Move, Group::Window]);
-                            keys_of(right, &[Group::Why, Group::Go]);
-                        }
-                    });
-                } else {
-                    keys_of(ui, &Group::ALL);
-                }
-            });
-    });
-    explorer.show_help &= open;
-}
-
-fn keys_of(ui: &mut Ui, groups: &[Group]) {
-    for group in groups {
-        ui.label(RichText::new(group.name()).color(DIM).strong());
-        let grid = egui::Grid::new(group.name()).num_columns(2).min_col_width(104.0);
-        grid.show(ui, |ui| {
-            for (_, keys, what) in KEYS.iter().filter(|k| k.0 == *group) {
-                ui.label(RichText::new(*keys).color(GOLD));
-                ui.label(*what);
-                ui.end_row();
-            }
-        });
-        ui.add_space(6.0);
-    }
-}
-
 fn typing(context: &Context, explorer: &mut Explorer) {
     let Some(mut text) = explorer.typing.take() else {
         return;
@@ -651,9 +564,13 @@ fn notices(context: &Context, explorer: &Explorer) {
 
 /// What is shown while a world is loading.
 pub(crate) fn loading(context: &Context, what: &str, share: f32) {
+    let size = context.content_rect().size();
+    if !layout::fits(size) {
+        return;
+    }
     let area = egui::Area::new(egui::Id::unique("loading")).anchor(Align2::CENTER_CENTER, [0.0, 0.0]);
     area.show(context, |ui| {
-        ui.set_width(360.0);
+        ui.set_width(if size.x < 400.0 { size.x - 40.0 } else { 360.0 });
         ui.vertical_centered(|ui| {
             ui.label(RichText::new("Vestibule").size(30.0).color(GOLD));
             ui.label(what);
@@ -661,3 +578,6 @@ pub(crate) fn loading(context: &Context, what: &str, share: f32) {
         });
     });
 }
+
+#[cfg(test)]
+mod tests;

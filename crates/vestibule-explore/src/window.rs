@@ -70,6 +70,7 @@ pub fn run(options: Options) -> Result<(), ExploreError> {
         pictures: options.pictures,
         watch: options.watch,
         to_lose: options.lose_device,
+        notice: None,
         begun: Instant::now(),
         losses: Vec::new(),
         open: None,
@@ -141,6 +142,8 @@ struct App {
     watch: Option<Watch>,
     /// Seconds since `begun` when the device is to be destroyed.
     to_lose: Vec<f32>,
+    /// Why there is no adapter.
+    notice: Option<String>,
     begun: Instant,
     /// When devices were lost.
     losses: Vec<Instant>,
@@ -201,7 +204,8 @@ impl App {
         if let Some(notice) = notice {
             // Who closed stderr does not want to know.
             let _ = writeln!(std::io::stderr(), "{notice}");
-            self.times.adapter = notice;
+            self.times.adapter.clone_from(&notice);
+            self.notice = Some(notice);
         }
     }
 
@@ -213,7 +217,10 @@ impl App {
             match told.try_recv() {
                 Ok(Progress::At(now, done)) => (*what, *share) = (now, done),
                 Ok(Progress::Done(mut explorer)) => {
-                    explorer.tell("H shows the keys");
+                    explorer.tell(match &self.notice {
+                        Some(notice) => format!("{notice}\nH shows the keys"),
+                        None => "H shows the keys".to_owned(),
+                    });
                     self.phase = Phase::Exploring(explorer);
                     return;
                 }
