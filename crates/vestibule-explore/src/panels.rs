@@ -579,5 +579,23 @@ pub(crate) fn loading(context: &Context, what: &str, share: f32) {
     });
 }
 
+/// What is shown when a world cannot be explored.
+pub(crate) fn failed(context: &Context, why: &str) {
+    let size = context.content_rect().size();
+    if !layout::fits(size) {
+        return;
+    }
+    let area = egui::Area::new(egui::Id::unique("failed")).anchor(Align2::CENTER_CENTER, [0.0, 0.0]);
+    area.show(context, |ui| {
+        ui.set_width(if size.x < 600.0 { size.x - 40.0 } else { 560.0 });
+        ui.vertical_centered(|ui| {
+            ui.label(RichText::new("Vestibule").size(30.0).color(GOLD));
+            ui.label("This world cannot be explored:");
+            ui.label(why);
+            ui.label(RichText::new("Esc leaves").color(DIM));
+        });
+    });
+}
+
 #[cfg(test)]
 mod tests;

@@ -57,7 +57,7 @@ pub type Watch = Box<dyn FnMut(&Explorer) -> Result<(), String>>;
 ///
 /// # Errors
 /// When there is no display, or nothing can be drawn into the window. What goes wrong with the world is shown in the
-/// window.
+/// window first, and is the error once it is closed.
 pub fn run(options: Options) -> Result<(), ExploreError> {
     let event_loop = EventLoop::new().map_err(|e| ExploreError::NoDisplay(e.to_string()))?;
     event_loop.set_control_flow(ControlFlow::Poll);
@@ -82,9 +82,10 @@ pub fn run(options: Options) -> Result<(), ExploreError> {
         last: Instant::now(),
     };
     event_loop.run_app(&mut app)?;
-    match app.failed {
-        Some(error) => Err(error),
-        None => Ok(()),
+    match (app.failed, app.phase) {
+        (Some(error), _) => Err(error),
+        (None, Phase::Failed(why)) => Err(ExploreError::World(why)),
+        (None, _) => Ok(()),
     }
 }
 
@@ -282,7 +283,7 @@ impl App {
             match phase {
                 Phase::Loading(_, what, share) => panels::loading(&context, what, *share),
                 Phase::Exploring(explorer) => panels::show(&context, explorer, times),
-                Phase::Failed(why) => panels::loading(&context, &format!("cannot be explored: {why}"), 0.0),
+                Phase::Failed(why) => panels::failed(&context, why),
             }
         });
         open.input
@@ -376,7 +377,7 @@ impl App {
         }
     }
 
-    fn key(&mut self, event: &winit::event::KeyEvent) {
+    fn key(&mut self, event_loop: &ActiveEventLoop, event: &winit::event::KeyEvent) {
         let name = match &event.logical_key {
             Key::Character(text) => text.to_lowercase(),
             Key::Named(NamedKey::Space) => "Space".to_owned(),
@@ -385,6 +386,9 @@ impl App {
         };
         let down = event.state == ElementState::Pressed;
         let Phase::Exploring(explorer) = &mut self.phase else {
+            if down && name == "Escape" {
+                event_loop.exit();
+            }
             return;
         };
         if let Some(typed) = &mut explorer.typing {
@@ -474,7 +478,7 @@ impl ApplicationHandler for App {
         match event {
             WindowEvent::CloseRequested => event_loop.exit(),
             WindowEvent::RedrawRequested => self.redraw(event_loop),
-            WindowEvent::KeyboardInput { event, .. } => self.key(&event),
+            WindowEvent::KeyboardInput { event, .. } => self.key(event_loop, &event),
             WindowEvent::Focused(false) => self.held = Held::default(),
             WindowEvent::CursorMoved { position, .. } => {
                 let now = Vec2::new(position.x as f32, position.y as f32);

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use vestibule::world::{CellId, Position, World};
-use vestibule_explore::{AdapterChoice, NamedPlace, Opened, Options, keys_help, middle_of};
+use vestibule_explore::{AdapterChoice, ExploreError, NamedPlace, Opened, Options, keys_help, middle_of};
 
 use super::explore_trail;
 use super::place::{Place, parse_place};
@@ -98,11 +98,15 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         lose_device: args.lose_device.clone(),
         watch: args.trail.as_deref().map(explore_trail::watch).transpose()?,
     };
-    vestibule_explore::run(options).map_err(|error| {
-        hinted(
+    vestibule_explore::run(options).map_err(|error| match error {
+        ExploreError::World(_) | ExploreError::NoStart(_) => hinted(
+            error,
+            "`vestibule dat verify DIR` tells what is wrong with files; --start says where to begin",
+        ),
+        _ => hinted(
             error,
             "a window needs a display; `vestibule render` and `vestibule tour` do without",
-        )
+        ),
     })
 }
 
