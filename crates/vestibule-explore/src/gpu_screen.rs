@@ -104,6 +104,8 @@ impl GpuScreen {
         points: f32,
         times: &mut FrameTimes,
     ) -> Result<(), GpuError> {
+        // A device that is gone says so only when it is asked, and takes commands until then.
+        let _ = self.gpu.device.poll(wgpu::PollType::Poll);
         self.gpu.check()?;
         for (id, changes) in &delta.set {
             for change in changes {

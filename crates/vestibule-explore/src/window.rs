@@ -66,7 +66,7 @@ pub fn run(options: Options) -> Result<(), ExploreError> {
         title: options.title,
         size: options.size,
         adapter: options.adapter,
-        cpu: options.cpu,
+        cpu: options.cpu.then(|| "as asked".to_owned()),
         pictures: options.pictures,
         watch: options.watch,
         to_lose: options.lose_device,
@@ -138,7 +138,8 @@ struct App {
     title: String,
     size: (u32, u32),
     adapter: AdapterChoice,
-    cpu: bool,
+    /// Why the CPU is to draw, if it is.
+    cpu: Option<String>,
     pictures: PathBuf,
     watch: Option<Watch>,
     /// Seconds since `begun` when the device is to be destroyed.
@@ -163,10 +164,10 @@ fn screen(
     event_loop: &ActiveEventLoop,
     window: &Arc<Window>,
     adapter: AdapterChoice,
-    cpu: bool,
+    cpu: Option<&str>,
 ) -> Result<(Screen, Option<String>), ExploreError> {
-    let why = if cpu {
-        "as asked".to_owned()
+    let why = if let Some(why) = cpu {
+        why.to_owned()
     } else {
         let display = Box::new(event_loop.owned_display_handle());
         match GpuScreen::new(window.clone(), display, adapter) {
@@ -192,7 +193,7 @@ impl App {
             .create_window(attributes)
             .map_err(|e| ExploreError::NoDisplay(e.to_string()))?;
         let window = Arc::new(window);
-        let (screen, notice) = screen(event_loop, &window, self.adapter, self.cpu)?;
+        let (screen, notice) = screen(event_loop, &window, self.adapter, self.cpu.as_deref())?;
         self.note(&screen, notice);
         Ok(Opened::new(window, screen))
     }
@@ -332,8 +333,10 @@ impl App {
         self.losses
             .retain(|then| (now - *then).as_secs_f32() < FEW_SECONDS);
         // What is lost again and again is of no use.
-        self.cpu |= self.losses.len() > MOST_LOSSES;
-        match screen(event_loop, &window, self.adapter, self.cpu) {
+        if self.losses.len() > MOST_LOSSES {
+            self.cpu = Some("the graphics device was lost again and again".to_owned());
+        }
+        match screen(event_loop, &window, self.adapter, self.cpu.as_deref()) {
             Ok((screen, notice)) => {
                 let on_gpu = matches!(screen, Screen::Gpu(_));
                 self.note(&screen, notice);
@@ -344,7 +347,7 @@ impl App {
                 } else {
                     "the CPU draws now"
                 };
-                let text = format!("the graphics device was lost, {what}: {why}");
+                let text = format!("{}; {what}", why.trim_end_matches([':', ' ']));
                 // Who closed stderr does not want to know.
                 let _ = writeln!(std::io::stderr(), "{text}");
                 if let Phase::Exploring(explorer) = &mut self.phase {
