@@ -507,18 +507,43 @@ impl Explorer {
                     )
                 };
                 let list = self.frame.commands().iter();
-                commands.extend(list.filter(|c| !(frozen && eye_bound(c))).copied());
+                // From outside one looks into rooms, but not through the shell of their house.
+                let root = self
+                    .frame
+                    .interior()
+                    .and_then(|f| f.cells().first().map(|c| c.id));
+                let own_shell = |c: &Command| match (c, root) {
+                    (Command::Building { block, building, .. }, Some(root)) => {
+                        let block = self.world.loaded_block(*block);
+                        let building = block.and_then(|b| b.buildings.get(*building as usize));
+                        building.is_some_and(|b| {
+                            b.portals
+                                .iter()
+                                .any(|p| p.other == root || p.stab_list.contains(&root))
+                        })
+                    }
+                    _ => false,
+                };
+                let kept = list.filter(|c| !(frozen && (eye_bound(c) || own_shell(c))));
+                commands.extend(kept.copied());
             }
         }
         let doors = &self.doors;
         let player = ObjectRef::Body(self.player);
         let is_player = |c: &Command| matches!(c, Command::Object { id, .. } if *id == player);
         // An eye within the player's back sees what the traversal lets it see.
-        let hidden = !frozen && !self.frame.commands().iter().any(is_player);
+        let hidden = !frozen && !self.draws_player();
         commands.retain(|c| {
             !matches!(c, Command::Object { id, .. } if doors.hides(*id)) && !(hidden && is_player(c))
         });
         self.commands = commands;
+    }
+
+    /// Whether the traversal lists the player.
+    fn draws_player(&self) -> bool {
+        let player = ObjectRef::Body(self.player);
+        let mut commands = self.frame.commands().iter();
+        commands.any(|c| matches!(c, Command::Object { id, .. } if *id == player))
     }
 
     fn single_cell(&self, cell: CellId, out: &mut Vec<Command>) {

@@ -4,12 +4,19 @@ use egui::Ui;
 
 use crate::explorer::Explorer;
 
-/// A window that is smaller has no room for panels at all, points.
+/// A window that is smaller shows the picture only, points.
 const LEAST: egui::Vec2 = egui::vec2(160.0, 120.0);
+/// A window that is smaller has no room for the panels at its sides, points.
+const LEAST_PANELS: egui::Vec2 = egui::vec2(480.0, 320.0);
 
-/// Whether there is room for panels.
+/// Whether there is room for words.
 pub(crate) fn fits(window: egui::Vec2) -> bool {
     window.x >= LEAST.x && window.y >= LEAST.y
+}
+
+/// Whether there is room for the panels at the sides.
+pub(crate) fn fits_panels(window: egui::Vec2) -> bool {
+    window.x >= LEAST_PANELS.x && window.y >= LEAST_PANELS.y
 }
 
 /// How much of the window each panel may take, so that none covers another; points. What does not fit is scrolled to.

@@ -123,6 +123,9 @@ pub enum Mark {
     },
 }
 
+/// Length of the pyramids of regions, metres.
+const CONE: f32 = 7.0;
+
 /// Lines of more than this many marks are left out: a screen can hold no more.
 const MOST_MARKS: usize = 40_000;
 
@@ -316,19 +319,31 @@ impl<'a> Marks<'a> {
         }
     }
 
+    /// Regions are cones from the eye of the traversal: outlines on its own screen, and seen from elsewhere pyramids
+    /// with the eye at their tip.
     fn regions(&mut self, frame: &FrameView) {
+        let Some(judge) = frame.camera() else { return };
+        let tip = judge.eye_in(self.camera.cell().block()) - self.camera.eye();
+        let elsewhere = tip.length() > 1.0e-3;
+        let cone = |marks: &mut Self, region: vestibule_view::Region<'_>, color, width, fill| {
+            let length = if elsewhere { CONE } else { 2.0 };
+            let corners: Vec<Vec3> = region.edges().iter().map(|e| tip + e.corner * length).collect();
+            marks.polygon(&corners, with_alpha(color, 255), width, with_alpha(color, fill));
+            if elsewhere {
+                for corner in &corners {
+                    marks.line(tip, *corner, with_alpha(color, 150), 1.0);
+                }
+            }
+        };
         for flood in frame.floods().iter() {
             for seen in flood.cells() {
-                let [r, g, b] = cell_color(seen.id);
                 for region in flood.regions(seen) {
-                    let corners: Vec<Vec3> = region.edges().iter().map(|e| e.corner * 2.0).collect();
-                    self.polygon(&corners, [r, g, b, 255], 2.0, [r, g, b, 30]);
+                    cone(self, region, cell_color(seen.id), 2.0, 30);
                 }
             }
         }
         for region in frame.landscape_views() {
-            let corners: Vec<Vec3> = region.edges().iter().map(|e| e.corner * 2.0).collect();
-            self.polygon(&corners, with_alpha(LANDSCAPE, 255), 2.5, [0; 4]);
+            cone(self, region, LANDSCAPE, 2.5, 0);
         }
     }
 

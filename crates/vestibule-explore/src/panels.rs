@@ -83,18 +83,10 @@ pub(crate) fn show(context: &Context, explorer: &mut Explorer, times: &FrameTime
     if !layout::fits(size) {
         return;
     }
-    let room = Room::of(size, explorer);
     // Keys are read better with nothing behind them.
     let covered = explorer.show_help && size.x < 1500.0;
-    if explorer.show_panels && !covered {
-        where_panel(context, explorer, &room);
-        view_panel(context, explorer, times, &room);
-    }
-    if explorer.show_map {
-        sidemap::show(context, explorer, room.map);
-    }
-    if explorer.picked.is_some() {
-        picked_panel(context, explorer, &room);
+    if !covered && layout::fits_panels(size) {
+        side_panels(context, explorer, times, &Room::of(size, explorer));
     }
     if explorer.show_help {
         key_list::show(context, explorer);
@@ -159,6 +151,19 @@ fn marks(context: &Context, marks: &[Mark], viewport: glam::Vec2) {
                 painter.galley(rect.min + egui::vec2(2.0, 2.0), galley, INK);
             }
         }
+    }
+}
+
+fn side_panels(context: &Context, explorer: &mut Explorer, times: &FrameTimes, room: &Room) {
+    if explorer.show_panels {
+        where_panel(context, explorer, room);
+        view_panel(context, explorer, times, room);
+    }
+    if explorer.show_map {
+        sidemap::show(context, explorer, room.map);
+    }
+    if explorer.picked.is_some() {
+        picked_panel(context, explorer, room);
     }
 }
 
@@ -285,7 +290,6 @@ fn view_panel(context: &Context, explorer: &mut Explorer, times: &FrameTimes, ro
 
 fn view_rows(ui: &mut Ui, explorer: &mut Explorer, times: &FrameTimes) {
     {
-        frame_times(ui, times);
         heading(ui, "show");
         ui.horizontal(|ui| {
             for (show, name) in [
@@ -321,6 +325,8 @@ fn view_rows(ui: &mut Ui, explorer: &mut Explorer, times: &FrameTimes) {
             ui.add(egui::Slider::new(&mut explorer.time_of_day, 0.0..=0.999).show_value(false));
         });
         draw_list(ui, explorer);
+        heading(ui, "frame times");
+        frame_times(ui, times);
         ui.label(RichText::new("H  all keys").color(DIM));
     }
 }
@@ -545,6 +551,7 @@ fn typing(context: &Context, explorer: &mut Explorer) {
 fn notices(context: &Context, explorer: &Explorer) {
     let Some(text) = explorer.message() else { return };
     let area = egui::Area::new(egui::Id::unique("message")).anchor(Align2::CENTER_BOTTOM, [0.0, -24.0]);
+    let area = area.order(egui::Order::Foreground);
     area.interactable(false).show(context, |ui| {
         egui::Frame::new()
             .fill(Color32::from_black_alpha(190))

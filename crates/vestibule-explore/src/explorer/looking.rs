@@ -2,7 +2,7 @@
 
 use glam::Vec2;
 use vestibule_physics::ObjectRef;
-use vestibule_view::{CameraMode, Command, FrameInput};
+use vestibule_view::{Command, FrameInput};
 
 use super::Explorer;
 use crate::overlays::{Mark, Marks, Overlay};
@@ -25,8 +25,9 @@ impl Explorer {
         if self.overlays.get(3) == Some(&true) {
             let bodies = self.population.bodies();
             let shown = bodies.filter(|(id, _)| !self.doors.hides(ObjectRef::Body(*id)));
-            let first = self.fly.is_none() && self.rig.camera.mode() == CameraMode::FirstPerson;
-            for (_, body) in shown.filter(|(id, _)| !(first && *id == self.player)) {
+            // Not around one's own head.
+            let drawn = |id| self.fly.is_some() || id != self.player || self.draws_player();
+            for (_, body) in shown.filter(|(id, _)| drawn(*id)) {
                 marks.body(body);
             }
         }

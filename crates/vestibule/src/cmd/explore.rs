@@ -130,3 +130,23 @@ fn first_place(world: &World) -> Option<Position> {
         cells.find_map(|id| middle_of(world, CellId(id)))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::Args as _;
+    use vestibule_explore::KEYS;
+
+    #[test]
+    fn help_has_the_keys_of_the_window() {
+        let mut command = super::Args::augment_args(clap::Command::new("explore"));
+        let help = command.render_long_help().to_string();
+        for (group, keys, what) in KEYS {
+            let line = help
+                .lines()
+                .find(|line| line.trim_start().starts_with(keys) && line.ends_with(what));
+            assert!(line.is_some(), "{keys}: {what} in\n{help}");
+            assert!(help.contains(group.name()));
+        }
+        assert!(!help.contains("lose-device"));
+    }
+}
