@@ -6,6 +6,8 @@ mod conform;
 mod dat;
 #[cfg_attr(not(feature = "explore"), path = "cmd/no_explore.rs")]
 mod explore;
+#[cfg(feature = "explore")]
+mod explore_trail;
 mod id;
 mod inspect;
 mod ls;
