@@ -1,5 +1,6 @@
 //! Doors to open and close. Worlds come with their doors standing open, as static objects; closing one puts a body in
-//! its opening and hides the static one.
+//! its opening and hides the static one. The hidden leaf is no longer drawn, but it is still bumped into where it stood:
+//! static objects cannot be taken out of a world.
 
 use glam::{Quat, Vec3};
 use vestibule_physics::{Body, BodyId, ObjectRef, Population, Scratch};
@@ -41,6 +42,12 @@ impl Doors {
             ObjectRef::Static(r) => d.closed && d.leaf == r,
             ObjectRef::Body(b) => !d.closed && d.body == b,
         })
+    }
+
+    /// Whether the nearest door within reach of a position is closed; `None` without one.
+    pub fn within_reach(&self, world: &World, at: &Position) -> Option<bool> {
+        let (id, ..) = nearest(world, at)?;
+        Some(self.list.iter().any(|d| d.leaf == id && d.closed))
     }
 
     /// Opens or closes the nearest door within reach of a position.
@@ -101,15 +108,21 @@ fn nearest<'w>(world: &'w World, at: &Position) -> Option<(StaticRef, &'w Static
     let block = world.block(at.cell.block())?;
     let mut best: Option<(f32, StaticRef, &StaticObject, Frame)> = None;
     for (index, object) in block.statics.iter().enumerate() {
-        let middle = object.frame.local_to_global(leaf(object).unwrap_or_default());
-        let gap = middle - at.origin();
-        let far = Vec3::new(gap.x, gap.y, gap.z * 0.5).length();
+        if (object.frame.origin - at.origin()).length() > 2.0 * REACH {
+            continue;
+        }
+        let (Some(middle), Some(frame)) = (leaf(object), closed(world, object)) else {
+            continue;
+        };
+        // Who stands before an open door reaches for its doorway, who stands beside it for the leaf.
+        let far = [object.frame, frame].map(|f| {
+            let gap = f.local_to_global(middle) - at.origin();
+            Vec3::new(gap.x, gap.y, gap.z * 0.5).length()
+        });
+        let far = if far[0] < far[1] { far[0] } else { far[1] };
         if far > REACH || best.as_ref().is_some_and(|b| b.0 <= far) {
             continue;
         }
-        let Some(frame) = closed(world, object) else {
-            continue;
-        };
         let id = StaticRef {
             block: block.id,
             index: index as u32,
@@ -182,6 +195,9 @@ mod tests {
         let mut toggle = |at: &Position| doors.toggle(&world, &mut population, &mut scratch, at);
         assert_eq!(toggle(&at), DoorOutcome::Closed);
         assert_eq!(toggle(&at), DoorOutcome::Opened);
+        let outside = Position::new(CellId(0xA9B4_0031), Vec3::new(155.4, 17.5, 94.0));
+        assert_eq!(toggle(&outside), DoorOutcome::Closed, "from the doorstep");
+        assert_eq!(toggle(&outside), DoorOutcome::Opened);
         let far = Position::new(CellId(0xA9B4_0001), Vec3::new(5.0, 5.0, 94.0));
         assert_eq!(toggle(&far), DoorOutcome::None);
     }

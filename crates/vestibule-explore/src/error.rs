@@ -13,6 +13,9 @@ pub enum ExploreError {
     /// Neither a graphics adapter nor the window's own pixels can be drawn to.
     #[error("cannot draw into the window: {0}")]
     NoScreen(String),
+    /// The world cannot be opened.
+    #[error("{0}")]
+    World(String),
     /// The world has no place to stand at.
     #[error("no place to start was found: {0}")]
     NoStart(String),

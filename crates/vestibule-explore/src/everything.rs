@@ -4,6 +4,25 @@ use vestibule_physics::{ObjectRef, Population};
 use vestibule_view::{Command, LightSet, Views};
 use vestibule_world::{BlockId, CellId, StaticRef, World};
 
+/// Landblocks within `radius` blocks of one that could be loaded and are not, the nearest first. Some may not
+/// exist.
+pub(crate) fn to_load(world: &World, centre: BlockId, radius: i32) -> Vec<BlockId> {
+    if !world.loads_on_touch() {
+        return Vec::new();
+    }
+    let mut out = Vec::new();
+    for ring in 0..=radius.clamp(0, 16) {
+        for dx in -ring..=ring {
+            for dy in -ring..=ring {
+                let id = centre.neighbour(dx, dy);
+                let on_ring = dx.abs() == ring || dy.abs() == ring;
+                out.extend(id.filter(|id| on_ring && id.is_on_map() && world.loaded_block(*id).is_none()));
+            }
+        }
+    }
+    out
+}
+
 /// Commands that draw all loaded landblocks within `radius` blocks of one: ground, shells, rooms, objects and bodies.
 pub fn commands(
     world: &World,
@@ -72,4 +91,31 @@ pub fn commands(
         }
     }
     out.push(Command::FlushAlpha);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::hollow;
+
+    #[test]
+    fn what_is_near_and_not_loaded_is_named_the_nearest_first() {
+        let (world, _) = hollow();
+        let centre = BlockId(0xB0C0);
+        let missing = to_load(&world, centre, 2);
+        assert_eq!((missing.len(), missing[0]), (25, centre));
+        let far = |id: &BlockId| {
+            (i32::from(id.0 >> 8) - 0xB0)
+                .abs()
+                .max((i32::from(id.0 & 0xFF) - 0xC0).abs())
+        };
+        assert!(missing.is_sorted_by_key(far));
+        world.block(centre);
+        assert_eq!(
+            to_load(&world, centre, 2).contains(&centre),
+            world.loaded_block(centre).is_none()
+        );
+        // At the corner of the map there is less around.
+        assert!(to_load(&world, BlockId(0x0000), 2).len() <= 9);
+    }
 }

@@ -1,5 +1,9 @@
 //! The state behind the window: the player, the camera, what is shown. It knows no window and no GPU.
 
+mod acting;
+mod looking;
+
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use glam::{Quat, Vec2, Vec3};
@@ -9,25 +13,29 @@ use vestibule_view::{
     Camera, CameraMode, CameraRig, ChaseCamera, Command, FrameInput, FramePath, FrameSettings, FrameView,
     LightSet, Openings, PlayerCell, Viewer, ViewerTarget, Views, WorldObjects, retail_fov_y,
 };
-use vestibule_world::{CellId, Position, World};
+use vestibule_world::{BlockId, CellId, Position, World};
 
-use crate::doors::{DoorOutcome, Doors};
+use crate::doors::Doors;
 use crate::error::ExploreError;
 use crate::everything;
 use crate::fly::FlyCamera;
-use crate::keys::{Action, Held};
-use crate::overlays::{Mark, Marks, Overlay};
-use crate::picking::{Picked, pick};
+use crate::keys::Held;
+use crate::picking::Picked;
 use crate::places::{self, NamedPlace};
 
 /// Seconds a message stays.
 const MESSAGE_SECONDS: f64 = 6.0;
 /// Radians a pixel of dragging turns.
 const TURN_PER_PIXEL: f32 = 0.005;
-/// Longest step of time, seconds: after a pause the world does not leap.
-const LONGEST_STEP: f32 = 0.1;
-/// The share of a day that a key changes the time by: an hour.
-const HOUR: f32 = 1.0 / 24.0;
+/// Longest time that one tick makes up for, seconds: after a pause the world does not leap.
+const LONGEST_TICK: f32 = 1.0;
+/// Seconds of a step of bodies: always the same, so that a walk does not depend on how fast pictures are drawn. Just
+/// over the shortest time that is integrated (`transition.md` 9.8).
+const STEP: f64 = 1.0 / 30.0 + 1.0e-6;
+/// Landblocks to each side of the viewer's where everything is drawn.
+const AROUND: i32 = 2;
+/// Landblocks that are loaded in a tick at most where everything is drawn.
+const LOADS_A_TICK: usize = 2;
 
 /// What is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,8 +45,21 @@ pub enum Show {
     Reached,
     /// One cell and what is in it.
     SingleCell,
-    /// Everything loaded around the viewer.
+    /// Everything within two landblocks of the viewer. What is not loaded is, a few landblocks a tick.
     Everything,
+}
+
+/// Where the player was after a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrailStep {
+    /// Seconds that bodies had moved for.
+    pub seconds: f64,
+    /// The player's cell.
+    pub cell: CellId,
+    /// Where it stood.
+    pub position: Position,
+    /// It was put there since the step before, and did not walk.
+    pub teleported: bool,
 }
 
 /// A world being explored.
@@ -57,9 +78,20 @@ pub struct Explorer {
     doors: Doors,
     start: Position,
     now: f64,
+    /// The time of bodies, seconds: steps that were made.
+    clock: f64,
+    /// Time that passed and is not stepped yet, seconds.
+    owed: f64,
+    /// Keys pressed since the last step, though they may be up again.
+    tapped: Held,
+    /// Steps of the last tick.
+    trail: Vec<TrailStep>,
+    teleported: bool,
     message: Option<(String, f64)>,
     viewport: Vec2,
     commands: Vec<Command>,
+    /// Landblocks that were loaded, or tried to be, because everything is drawn.
+    asked: BTreeSet<BlockId>,
     /// Places with names.
     pub names: Vec<NamedPlace>,
     /// Overlays that are on, by their position in [`Overlay::ALL`].
@@ -110,9 +142,15 @@ impl Explorer {
             doors: Doors::default(),
             start,
             now: 0.0,
+            clock: 0.0,
+            owed: 0.0,
+            tapped: Held::default(),
+            trail: Vec::new(),
+            teleported: false,
             message: None,
             viewport: Vec2::new(1280.0, 720.0),
             commands: Vec::new(),
+            asked: BTreeSet::new(),
             names,
             overlays: [false; 5],
             show: Show::Reached,
@@ -173,6 +211,12 @@ impl Explorer {
         &self.assets
     }
 
+    /// The eye of the camera that flies, while the traversal is held.
+    pub fn flying_at(&self) -> Option<Position> {
+        let camera = self.fly.as_ref().and(self.camera())?;
+        Some(Position::new(camera.cell(), camera.eye()))
+    }
+
     /// Whether the traversal is held.
     pub fn is_frozen(&self) -> bool {
         self.fly.is_some()
@@ -205,6 +249,7 @@ impl Explorer {
             .set_position(&self.world, &mut self.scratch, self.player, &placement);
         let there = matches!(done, Ok(Ok(vestibule_physics::Placed::InCell(_))));
         if there {
+            self.teleported = true;
             let mode = self.rig.camera.mode();
             self.rig = CameraRig::new(ChaseCamera::default());
             self.rig.camera.set_mode(mode);
@@ -300,123 +345,50 @@ impl Explorer {
         }
     }
 
-    /// Does what a key asks for once.
-    pub fn act(&mut self, action: Action) {
-        match action {
-            Action::Help => self.show_help = !self.show_help,
-            Action::Panels => self.show_panels = !self.show_panels,
-            Action::Map => self.show_map = !self.show_map,
-            Action::Overlay(k) => {
-                if let (Some(on), Some(overlay)) = (self.overlays.get_mut(k), Overlay::ALL.get(k)) {
-                    *on = !*on;
-                    let text = format!("{} {}", overlay.name(), if *on { "on" } else { "off" });
-                    self.tell(text);
-                }
-            }
-            Action::Freeze => self.freeze(),
-            Action::SingleCell => {
-                self.show = if self.show == Show::SingleCell {
-                    Show::Reached
-                } else {
-                    Show::SingleCell
-                };
-                self.single = None;
-                self.tell(self.shown());
-            }
-            Action::Everything => {
-                self.show = if self.show == Show::Everything {
-                    Show::Reached
-                } else {
-                    Show::Everything
-                };
-                self.tell(self.shown());
-            }
-            Action::Door => self.door(),
-            Action::FirstPerson => {
-                let first = self.rig.camera.mode() == CameraMode::FirstPerson;
-                let mode = if first {
-                    CameraMode::Chase
-                } else {
-                    CameraMode::FirstPerson
-                };
-                self.rig.camera.set_mode(mode);
-            }
-            Action::Screenshot => self.wants_screenshot = true,
-            Action::Time(step) => {
-                let time = self.time_of_day + f32::from(step) * HOUR;
-                self.time_of_day = time - libm::floorf(time);
-                self.tell(format!("time of day {}", clock(self.time_of_day)));
-            }
-            Action::Teleport => self.typing = Some(String::new()),
-            Action::Home => {
-                let start = self.start;
-                self.go_to(&start);
-            }
-            Action::Escape => self.escape(),
-        }
+    /// Notes keys that were pressed: each counts for one step at least, even if it is up again before the next tick.
+    pub fn tap(&mut self, keys: Held) {
+        self.tapped = self.tapped.or(keys);
     }
 
-    fn shown(&self) -> &'static str {
-        match self.show {
-            Show::Reached => "drawing what the traversal reaches",
-            Show::SingleCell => "drawing the player's cell only",
-            Show::Everything => "drawing everything, no traversal",
-        }
+    /// Whether the door within reach is closed; `None` if there is none.
+    pub fn door_within_reach(&self) -> Option<bool> {
+        let at = self.body()?.position();
+        self.doors.within_reach(&self.world, at)
     }
 
-    fn escape(&mut self) {
-        if self.typing.take().is_some() {
-        } else if self.show_help {
-            self.show_help = false;
-        } else if self.picked.take().is_some() {
-        } else if self.fly.is_some() {
-            self.freeze();
-        } else {
-            self.wants_to_leave = true;
-        }
-    }
-
-    fn freeze(&mut self) {
-        if self.fly.take().is_some() {
-            self.tell("the traversal goes on");
-        } else if let Some(camera) = self.frame.camera() {
-            self.fly = Some(FlyCamera::from(camera));
-            self.tell("the traversal is held: fly with W A S D, Space and C; G goes on");
-        }
-    }
-
-    fn door(&mut self) {
-        let Some(at) = self.body().map(|b| *b.position()) else {
-            return;
-        };
-        let outcome = self
-            .doors
-            .toggle(&self.world, &mut self.population, &mut self.scratch, &at);
-        self.tell(match outcome {
-            DoorOutcome::Closed => "the door is closed",
-            DoorOutcome::Opened => "the door is open",
-            DoorOutcome::Blocked => "something stands in the door",
-            DoorOutcome::None => "no door within reach",
-        });
-    }
-
-    /// Moves everything on by `dt` seconds and decides the frame for a screen of `viewport` pixels. A screen without
-    /// area keeps the last frame.
+    /// Moves everything on by `dt` seconds, at most a second, and decides the frame for a screen of `viewport` pixels.
+    /// Bodies move by steps of equal length, so that where a walk leads does not depend on the length of ticks. A screen
+    /// without area keeps the last frame.
     pub fn tick(&mut self, held: &Held, dt: f32, viewport: Vec2) {
         let dt = if dt.is_finite() {
-            dt.clamp(0.0, LONGEST_STEP)
+            dt.clamp(0.0, LONGEST_TICK)
         } else {
             0.0
         };
         self.now += f64::from(dt);
+        self.trail.clear();
         if viewport.x >= 1.0 && viewport.y >= 1.0 && viewport.is_finite() {
             self.viewport = viewport;
         }
         if let Some(fly) = &mut self.fly {
             fly.tick(held, dt);
+            self.tapped = Held::default();
             self.prepare_commands();
             return;
         }
+        self.owed += f64::from(dt);
+        while self.owed >= STEP {
+            self.owed -= STEP;
+            let held = held.or(core::mem::take(&mut self.tapped));
+            self.step(held);
+        }
+        self.see(dt);
+        self.prepare_commands();
+    }
+
+    /// A step of the player.
+    fn step(&mut self, held: Held) {
+        self.clock += STEP;
         let axis = |plus: bool, minus: bool| f32::from(i8::from(plus) - i8::from(minus));
         if let Some(body) = self.population.body_mut(self.player) {
             body.set_motion(Motion {
@@ -426,17 +398,33 @@ impl Explorer {
                 run: !held.slow,
             });
             if held.jump && body.can_jump() {
-                body.jump(1.0, self.now);
+                body.jump(1.0, self.clock);
             }
         }
         let moved = self
             .population
-            .update(&self.world, &mut self.scratch, self.player, self.now);
+            .update(&self.world, &mut self.scratch, self.player, self.clock);
         if let Err(error) = moved {
             self.tell(format!("the player cannot move: {error}"));
         }
-        self.see(dt);
-        self.prepare_commands();
+        if let Some(position) = self.body().map(|b| *b.position()) {
+            self.trail.push(TrailStep {
+                seconds: self.clock,
+                cell: self.player_cell(),
+                position,
+                teleported: core::mem::take(&mut self.teleported),
+            });
+        }
+    }
+
+    /// Seconds that bodies have moved for.
+    pub fn clock(&self) -> f64 {
+        self.clock
+    }
+
+    /// Where the player was after each step of the last tick. There may be none: ticks can be shorter than steps.
+    pub fn trail(&self) -> &[TrailStep] {
+        &self.trail
     }
 
     fn fov(&self) -> f32 {
@@ -486,11 +474,20 @@ impl Explorer {
         match self.show {
             Show::Everything => {
                 if let Some(camera) = self.camera() {
+                    let missing = everything::to_load(&self.world, camera.cell().block(), AROUND);
+                    let asked = &mut self.asked;
+                    for block in missing
+                        .into_iter()
+                        .filter(|b| asked.insert(*b))
+                        .take(LOADS_A_TICK)
+                    {
+                        self.world.block(block);
+                    }
                     everything::commands(
                         &self.world,
                         &self.population,
                         camera.cell().block(),
-                        2,
+                        AROUND,
                         &mut commands,
                     );
                 }
@@ -510,12 +507,43 @@ impl Explorer {
                     )
                 };
                 let list = self.frame.commands().iter();
-                commands.extend(list.filter(|c| !(frozen && eye_bound(c))).copied());
+                // From outside one looks into rooms, but not through the shell of their house.
+                let root = self
+                    .frame
+                    .interior()
+                    .and_then(|f| f.cells().first().map(|c| c.id));
+                let own_shell = |c: &Command| match (c, root) {
+                    (Command::Building { block, building, .. }, Some(root)) => {
+                        let block = self.world.loaded_block(*block);
+                        let building = block.and_then(|b| b.buildings.get(*building as usize));
+                        building.is_some_and(|b| {
+                            b.portals
+                                .iter()
+                                .any(|p| p.other == root || p.stab_list.contains(&root))
+                        })
+                    }
+                    _ => false,
+                };
+                let kept = list.filter(|c| !(frozen && (eye_bound(c) || own_shell(c))));
+                commands.extend(kept.copied());
             }
         }
         let doors = &self.doors;
-        commands.retain(|c| !matches!(c, Command::Object { id, .. } if doors.hides(*id)));
+        let player = ObjectRef::Body(self.player);
+        let is_player = |c: &Command| matches!(c, Command::Object { id, .. } if *id == player);
+        // An eye within the player's back sees what the traversal lets it see.
+        let hidden = !frozen && !self.draws_player();
+        commands.retain(|c| {
+            !matches!(c, Command::Object { id, .. } if doors.hides(*id)) && !(hidden && is_player(c))
+        });
         self.commands = commands;
+    }
+
+    /// Whether the traversal lists the player.
+    fn draws_player(&self) -> bool {
+        let player = ObjectRef::Body(self.player);
+        let mut commands = self.frame.commands().iter();
+        commands.any(|c| matches!(c, Command::Object { id, .. } if *id == player))
     }
 
     fn single_cell(&self, cell: CellId, out: &mut Vec<Command>) {
@@ -560,7 +588,7 @@ impl Explorer {
             let offset = body.position().offset_to(&viewer.position);
             (body.position().origin() + offset - pivot).length()
         });
-        let opacity = if self.fly.is_some() || self.show == Show::Everything {
+        let opacity = if self.fly.is_some() {
             1.0
         } else {
             self.rig.camera.body_opacity(distance)
@@ -569,58 +597,6 @@ impl Explorer {
             .with_population(&self.population)
             .with_player(self.player, opacity)
             .at_time(self.time_of_day)
-    }
-
-    /// Marks of the overlays that are on.
-    pub fn marks(&self) -> Vec<Mark> {
-        let Some(camera) = self.camera() else {
-            return Vec::new();
-        };
-        let mut marks = Marks::new(&camera);
-        let player = self.player_cell();
-        for (on, overlay) in self.overlays.iter().zip(Overlay::ALL) {
-            if *on {
-                marks.overlay(overlay, &self.world, &self.frame, player);
-            }
-        }
-        if self.fly.is_some() {
-            self.mark_frozen_eye(&mut marks);
-        }
-        marks.list
-    }
-
-    /// Where the held traversal looked from: its eye and the corners of its screen.
-    fn mark_frozen_eye(&self, marks: &mut Marks<'_>) {
-        let (Some(held), Some(camera)) = (self.frame.camera(), self.camera()) else {
-            return;
-        };
-        let eye = held.eye_in(camera.cell().block()) - camera.eye();
-        let size = held.viewport();
-        let corner = |x: f32, y: f32| eye + held.ray_through(Vec2::new(x, y)).normalize_or_zero() * 4.0;
-        let corners = [
-            corner(0.0, 0.0),
-            corner(size.x, 0.0),
-            corner(size.x, size.y),
-            corner(0.0, size.y),
-        ];
-        for c in corners {
-            marks.line(eye, c, [255, 255, 255, 230], 2.0);
-        }
-        marks.polygon(&corners, [255, 255, 255, 230], 2.0, [255, 255, 255, 18]);
-        marks.label(eye, "eye", [255, 255, 255]);
-    }
-
-    /// Finds out what is at a pixel.
-    pub fn pick(&mut self, pixel: Vec2) {
-        let Some(camera) = self.camera() else { return };
-        let input = match (&self.fly, self.input) {
-            (None, Some(input)) => FrameInput { camera, ..input },
-            _ => FrameInput::new(camera),
-        };
-        let doors = &self.doors;
-        let hidden = |c: &Command| matches!(c, Command::Object { id, .. } if doors.hides(*id));
-        let found = pick(&self.scene(), &self.openings, &input, hidden, pixel);
-        self.picked = found;
     }
 }
 

@@ -84,6 +84,11 @@ impl GpuScreen {
         self.target.as_ref()?.image(&self.gpu).ok()
     }
 
+    /// Destroys the device, as a driver does that gives up.
+    pub(crate) fn destroy(&self) {
+        self.gpu.device.destroy();
+    }
+
     fn free(&mut self, delta: &TexturesDelta) {
         for id in &delta.free {
             self.panels.free_texture(id);
@@ -99,6 +104,8 @@ impl GpuScreen {
         points: f32,
         times: &mut FrameTimes,
     ) -> Result<(), GpuError> {
+        // A device that is gone says so only when it is asked, and takes commands until then.
+        let _ = self.gpu.device.poll(wgpu::PollType::Poll);
         self.gpu.check()?;
         for (id, changes) in &delta.set {
             for change in changes {

@@ -58,42 +58,71 @@ pub struct Held {
     pub down: bool,
 }
 
+/// What keys are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// Moving and looking.
+    Move,
+    /// Going elsewhere.
+    Go,
+    /// Finding out why it looks as it does.
+    Why,
+    /// The window.
+    Window,
+}
+
+impl Group {
+    /// All, in the order they are shown.
+    pub const ALL: [Group; 4] = [Group::Move, Group::Go, Group::Why, Group::Window];
+
+    /// Its heading.
+    pub fn name(self) -> &'static str {
+        match self {
+            Group::Move => "walk",
+            Group::Go => "go",
+            Group::Why => "look behind the scenes",
+            Group::Window => "window",
+        }
+    }
+}
+
 /// Keys and what they do, in the order they are shown.
-pub const KEYS: [(&str, &str); 23] = [
-    ("W S, up down", "walk forwards and backwards"),
-    ("A D", "step to the side"),
-    ("Q E, left right", "turn"),
-    ("Shift", "walk instead of running"),
-    ("Space", "jump"),
-    ("drag the mouse", "look around"),
-    ("mouse wheel", "zoom, from first person outwards"),
-    ("V", "first person or behind the character"),
-    ("F", "open or close the door in front"),
-    ("T", "type where to go: position, coordinates or name"),
-    ("Home", "back to where you began"),
-    ("click", "what is this? cell, polygon, surface, object"),
-    ("M", "map: click a cell to go there"),
-    ("1", "overlay: cell outlines"),
-    ("2", "overlay: portals, passed or refused and why"),
-    ("3", "overlay: clip regions"),
-    ("4", "overlay: collision polygons"),
-    ("5", "overlay: stab list"),
-    (
-        "G",
-        "hold the traversal and fly out to look at it (Space up, C down)",
-    ),
-    ("O, P", "draw only the player's cell; draw everything there is"),
-    ("[ ]", "earlier, later in the day"),
-    ("F2", "save a picture"),
-    ("H or F1, Tab, Esc", "these keys; all panels; close or leave"),
+pub const KEYS: [(Group, &str, &str); 24] = [
+    (Group::Move, "W S, up down", "walk forwards and backwards"),
+    (Group::Move, "A D", "step to the side"),
+    (Group::Move, "Q E, left right", "turn"),
+    (Group::Move, "Shift", "walk instead of running"),
+    (Group::Move, "Space", "jump"),
+    (Group::Move, "drag the mouse", "look around"),
+    (Group::Move, "mouse wheel", "zoom, from first person outwards"),
+    (Group::Move, "V", "first person, or behind the character"),
+    (Group::Move, "F", "open or close the door in front"),
+    (Group::Go, "T", "type a position, coordinates or name"),
+    (Group::Go, "M", "map: click a place, zoom by the wheel"),
+    (Group::Go, "Home", "back to where you began"),
+    (Group::Go, "[ ]", "earlier, later in the day"),
+    (Group::Why, "click", "what is this, and through which portals?"),
+    (Group::Why, "1", "cell outlines"),
+    (Group::Why, "2", "portals, passed or refused and why"),
+    (Group::Why, "3", "clip regions"),
+    (Group::Why, "4", "collision polygons"),
+    (Group::Why, "5", "stab list"),
+    (Group::Why, "G", "hold the traversal, fly out (Space up, C down)"),
+    (Group::Why, "O, P", "draw one cell only; draw everything near"),
+    (Group::Window, "Tab", "panels"),
+    (Group::Window, "F2", "save the picture"),
+    (Group::Window, "H or F1, Esc", "these keys; close, then leave"),
 ];
 
 /// The keys as text, for `--help`.
 pub fn keys_help() -> String {
     let mut out = String::from("Keys:\n");
-    for (keys, what) in KEYS {
+    for group in Group::ALL {
         // Writing to a string does not fail.
-        let _ = writeln!(out, "  {keys:<18} {what}");
+        let _ = writeln!(out, "  {}:", group.name());
+        for (_, keys, what) in KEYS.iter().filter(|k| k.0 == group) {
+            let _ = writeln!(out, "    {keys:<16} {what}");
+        }
     }
     out
 }
@@ -110,7 +139,7 @@ pub fn action(key: &str) -> Option<Action> {
         "p" => Action::Everything,
         "f" => Action::Door,
         "v" => Action::FirstPerson,
-        "F2" | "F12" => Action::Screenshot,
+        "F2" => Action::Screenshot,
         "[" => Action::Time(-1),
         "]" => Action::Time(1),
         "t" => Action::Teleport,
@@ -121,6 +150,21 @@ pub fn action(key: &str) -> Option<Action> {
 }
 
 impl Held {
+    /// What either holds.
+    pub fn or(self, other: Held) -> Held {
+        Held {
+            forward: self.forward || other.forward,
+            back: self.back || other.back,
+            left: self.left || other.left,
+            right: self.right || other.right,
+            turn_left: self.turn_left || other.turn_left,
+            turn_right: self.turn_right || other.turn_right,
+            slow: self.slow || other.slow,
+            jump: self.jump || other.jump,
+            down: self.down || other.down,
+        }
+    }
+
     /// The key, by the name of what it types or its own, went down or up; whether it is one that is held.
     pub fn set(&mut self, key: &str, down: bool) -> bool {
         let slot = match key {
@@ -169,9 +213,84 @@ mod tests {
     #[test]
     fn help_lists_every_key() {
         let help = keys_help();
-        for (keys, what) in KEYS {
+        for (_, keys, what) in KEYS {
             assert!(help.contains(keys) && help.contains(what));
         }
         assert!(help.lines().all(|line| line.len() < 90));
+    }
+
+    /// Names of keys as the window hears them, and as the list shows them.
+    fn every_key() -> impl Iterator<Item = (String, String)> {
+        let typed = ('a'..='z').map(|c| (c.to_string(), c.to_uppercase().to_string()));
+        let signs = "0123456789[]-=;',./"
+            .chars()
+            .map(|c| (c.to_string(), c.to_string()));
+        let function = (1..=12).map(|k| (format!("F{k}"), format!("F{k}")));
+        let named = [
+            ("ArrowUp", "up"),
+            ("ArrowDown", "down"),
+            ("ArrowLeft", "left"),
+            ("ArrowRight", "right"),
+            ("Escape", "Esc"),
+            ("Shift", "Shift"),
+            ("Space", "Space"),
+            ("Home", "Home"),
+            ("Tab", "Tab"),
+            ("End", "End"),
+            ("Enter", "Enter"),
+        ];
+        let named = named.map(|(name, shown)| (name.to_owned(), shown.to_owned()));
+        typed.chain(signs).chain(function).chain(named)
+    }
+
+    fn is_used(key: &str) -> bool {
+        action(key).is_some() || Held::default().set(key, true)
+    }
+
+    /// Keys that the first column names, and those in brackets of the second.
+    fn listed() -> Vec<String> {
+        let split = |text: &str| -> Vec<String> {
+            let words = text.split([' ', ',', '(', ')']);
+            words.map(str::to_owned).filter(|w| !w.is_empty()).collect()
+        };
+        let mut all = Vec::new();
+        for (_, keys, what) in KEYS {
+            all.extend(split(keys));
+            if let Some((_, held)) = what.split_once('(') {
+                all.extend(split(held));
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn what_is_listed_is_what_works() {
+        let listed = listed();
+        for (key, shown) in every_key() {
+            assert_eq!(is_used(&key), listed.contains(&shown), "{key}, shown as {shown}");
+        }
+    }
+
+    #[test]
+    fn the_readme_lists_the_same_keys() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../README.md");
+        let Ok(readme) = std::fs::read_to_string(path) else {
+            // A crate by itself has no README of the workspace.
+            return;
+        };
+        let begin = readme.find("| key | |").expect("a table of keys");
+        let table = readme[begin..].split("\n\n").next().unwrap_or_default();
+        let words: Vec<&str> = table.split([' ', ',', '|', '\n', '(', ')']).collect();
+        for (key, shown) in every_key() {
+            // Arrows are called so; F1 is another H.
+            let shown = if key.starts_with("Arrow") {
+                "arrows"
+            } else {
+                &shown
+            };
+            if is_used(&key) && key != "F1" {
+                assert!(words.contains(&shown), "{shown} is not in README.md");
+            }
+        }
     }
 }

@@ -21,6 +21,8 @@
 //!     adapter: AdapterChoice::Best,
 //!     cpu: false,
 //!     pictures: ".".into(),
+//!     watch: None,
+//!     lose_device: Vec::new(),
 //! })
 //! # }
 //! ```
@@ -34,7 +36,9 @@ mod everything;
 mod explorer;
 mod fly;
 mod gpu_screen;
+mod key_list;
 mod keys;
+mod layout;
 mod loading;
 mod overlays;
 mod panels;
@@ -50,13 +54,13 @@ mod window;
 pub use doors::{DoorOutcome, Doors};
 pub use error::ExploreError;
 pub use everything::commands as everything_commands;
-pub use explorer::{Explorer, Show, clock};
+pub use explorer::{Explorer, Show, TrailStep, clock};
 pub use fly::FlyCamera;
-pub use keys::{Action, Held, KEYS, action, keys_help};
+pub use keys::{Action, Group, Held, KEYS, action, keys_help};
 pub use loading::{Open, Opened};
 pub use overlays::{Mark, Marks, Overlay, cell_color};
 pub use picking::{Picked, pick};
 pub use places::{NamedPlace, PlaceError, find as find_place, middle_of};
-pub use portals::{Verdict, verdict};
+pub use portals::{JudgedPortal, Verdict, along as portals_along, verdict};
 pub use vestibule_gpu::AdapterChoice;
-pub use window::{Options, run};
+pub use window::{Options, Watch, run};

@@ -1,8 +1,9 @@
 //! What is drawn over the picture to show what is behind it: lines and areas on the screen.
 
 use glam::{Vec2, Vec3};
+use vestibule_physics::Body;
 use vestibule_view::{Camera, FrameView};
-use vestibule_world::{BoundingBox, CellId, EnvCell, PortalTarget, World};
+use vestibule_world::{BoundingBox, CellId, EnvCell, World};
 
 use crate::portals::{self, Verdict};
 
@@ -43,6 +44,53 @@ impl Overlay {
     }
 }
 
+/// Colours of what is collided with: rooms, objects, shells of buildings, bodies.
+const ROOM_WALLS: [u8; 3] = [255, 90, 90];
+const OBJECTS: [u8; 3] = [255, 190, 70];
+const SHELLS: [u8; 3] = [255, 120, 200];
+const BODIES: [u8; 3] = [110, 230, 255];
+/// Colours of the stab list: listed by the traversal, and not.
+const SEEN: [u8; 3] = [90, 230, 110];
+const UNSEEN: [u8; 3] = [160, 160, 190];
+/// The landscape's regions and doors of buildings that are looked into from outdoors.
+const LANDSCAPE: [u8; 3] = [80, 190, 255];
+const LOOK_IN: [u8; 3] = [90, 255, 220];
+
+impl Overlay {
+    /// What its colours mean.
+    pub fn legend(self) -> Vec<([u8; 3], &'static str)> {
+        match self {
+            Overlay::Cells => vec![
+                ([255, 255, 255], "thick: the cell the player is in"),
+                ([190, 190, 190], "thin: other cells of the draw list"),
+            ],
+            Overlay::Portals => {
+                let all = Verdict::ALL.iter().map(|v| (v.color(), v.text()));
+                all.chain([(LOOK_IN, "door seen from outdoors")]).collect()
+            }
+            Overlay::Regions => vec![
+                ([190, 190, 190], "a cell is drawn only within its outline"),
+                (LANDSCAPE, "where the landscape shows"),
+            ],
+            Overlay::Collision => vec![
+                (ROOM_WALLS, "rooms"),
+                (OBJECTS, "objects"),
+                (SHELLS, "shells of buildings"),
+                (BODIES, "bodies: the player, closed doors"),
+            ],
+            Overlay::StabList => vec![
+                ([255, 255, 255], "the viewer's cell"),
+                (SEEN, "in its stab list, and seen"),
+                (UNSEEN, "in its stab list only"),
+            ],
+        }
+    }
+}
+
+fn with_alpha([r, g, b]: [u8; 3], alpha: u8) -> [u8; 4] {
+    [r, g, b, alpha]
+}
+
 /// Something drawn over the picture; pixels from the top left corner.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mark {
@@ -74,6 +122,9 @@ pub enum Mark {
         color: [u8; 3],
     },
 }
+
+/// Length of the pyramids of regions, metres.
+const CONE: f32 = 7.0;
 
 /// Lines of more than this many marks are left out: a screen can hold no more.
 const MOST_MARKS: usize = 40_000;
@@ -128,8 +179,12 @@ impl<'a> Marks<'a> {
                     (b - a).perp_dot(Vec2::new(x, y) - a) <= 0.0
                 })
             };
-            let everywhere =
-                covers(0.0, 0.0) && covers(size.x, 0.0) && covers(0.0, size.y) && covers(size.x, size.y);
+            // The viewer's own region ends where the screen does, but for rounding.
+            let (low, high) = (Vec2::splat(2.0), size - Vec2::splat(2.0));
+            let everywhere = covers(low.x, low.y)
+                && covers(high.x, low.y)
+                && covers(low.x, high.y)
+                && covers(high.x, high.y);
             if points.len() >= 3 && !everywhere {
                 self.list.push(Mark::Area { points, color: fill });
             }
@@ -234,13 +289,18 @@ impl<'a> Marks<'a> {
                     let corners = portals::corners(self.camera, cell, portal);
                     let [r, g, b] = verdict.color();
                     let passed = matches!(verdict, Verdict::Passed | Verdict::Outside);
-                    let (width, fill) = if passed { (3.0, 50) } else { (1.5, 22) };
+                    let (width, fill) = match verdict {
+                        Verdict::FacesAway => (1.0, 0),
+                        _ if passed => (3.0, 40),
+                        _ => (1.5, 22),
+                    };
                     self.polygon(&corners, [r, g, b, 255], width, [r, g, b, fill]);
                     let sum: Vec3 = corners.iter().copied().sum();
-                    let to = match portal.other {
-                        PortalTarget::Outside => "outside".to_owned(),
-                        PortalTarget::Cell(id) => format!("{:04X}", id.low()),
-                    };
+                    // The back of a portal that was passed the other way tells nothing new.
+                    if verdict == Verdict::FacesAway {
+                        continue;
+                    }
+                    let to = portals::leads_to(portal.other);
                     let text = format!("{:04X} to {to}: {}", seen.id.low(), verdict.text());
                     self.label(sum / corners.len().max(1) as f32, text, [r, g, b]);
                 }
@@ -251,24 +311,39 @@ impl<'a> Marks<'a> {
             if judge.eye() == self.camera.eye() {
                 let region = frame.look_ins().punch(look_in);
                 let corners: Vec<Vec3> = region.edges().iter().map(|e| e.corner).collect();
-                self.polygon(&corners, [90, 255, 220, 255], 3.0, [90, 255, 220, 40]);
+                self.polygon(&corners, with_alpha(LOOK_IN, 255), 3.0, with_alpha(LOOK_IN, 30));
+                let sum: Vec3 = corners.iter().copied().sum();
+                let text = format!("outside to {:04X}: looked into", look_in.entry.low());
+                self.label(sum / corners.len().max(1) as f32, text, LOOK_IN);
             }
         }
     }
 
+    /// Regions are cones from the eye of the traversal: outlines on its own screen, and seen from elsewhere pyramids
+    /// with the eye at their tip.
     fn regions(&mut self, frame: &FrameView) {
+        let Some(judge) = frame.camera() else { return };
+        let tip = judge.eye_in(self.camera.cell().block()) - self.camera.eye();
+        let elsewhere = tip.length() > 1.0e-3;
+        let cone = |marks: &mut Self, region: vestibule_view::Region<'_>, color, width, fill| {
+            let length = if elsewhere { CONE } else { 2.0 };
+            let corners: Vec<Vec3> = region.edges().iter().map(|e| tip + e.corner * length).collect();
+            marks.polygon(&corners, with_alpha(color, 255), width, with_alpha(color, fill));
+            if elsewhere {
+                for corner in &corners {
+                    marks.line(tip, *corner, with_alpha(color, 150), 1.0);
+                }
+            }
+        };
         for flood in frame.floods().iter() {
             for seen in flood.cells() {
-                let [r, g, b] = cell_color(seen.id);
                 for region in flood.regions(seen) {
-                    let corners: Vec<Vec3> = region.edges().iter().map(|e| e.corner * 2.0).collect();
-                    self.polygon(&corners, [r, g, b, 255], 2.0, [r, g, b, 30]);
+                    cone(self, region, cell_color(seen.id), 2.0, 30);
                 }
             }
         }
         for region in frame.landscape_views() {
-            let corners: Vec<Vec3> = region.edges().iter().map(|e| e.corner * 2.0).collect();
-            self.polygon(&corners, [80, 190, 255, 255], 2.5, [0; 4]);
+            cone(self, region, LANDSCAPE, 2.5, 0);
         }
     }
 
@@ -294,7 +369,7 @@ impl<'a> Marks<'a> {
                         .iter()
                         .map(|v| cell.frame.local_to_global(*v) - eye)
                         .collect();
-                    self.polygon(&corners, [255, 90, 90, 190], 1.0, [0; 4]);
+                    self.polygon(&corners, with_alpha(ROOM_WALLS, 190), 1.0, [0; 4]);
                 }
             }
             for &r in world.statics_in(id) {
@@ -313,7 +388,7 @@ impl<'a> Marks<'a> {
                             .iter()
                             .map(|v| frame.local_to_global(*v * part.scale) - eye)
                             .collect();
-                        self.polygon(&corners, [255, 190, 70, 190], 1.0, [0; 4]);
+                        self.polygon(&corners, with_alpha(OBJECTS, 190), 1.0, [0; 4]);
                     }
                 }
             }
@@ -335,8 +410,37 @@ impl<'a> Marks<'a> {
                         .iter()
                         .map(|v| frame.local_to_global(*v * part.scale) - eye)
                         .collect();
-                    self.polygon(&corners, [255, 120, 200, 150], 1.0, [0; 4]);
+                    self.polygon(&corners, with_alpha(SHELLS, 150), 1.0, [0; 4]);
                 }
+            }
+        }
+    }
+
+    /// What a body collides with: its polygons, or its spheres.
+    pub fn body(&mut self, body: &Body) {
+        let eye = self.camera.eye_in(body.position().cell.block());
+        let color = with_alpha(BODIES, 220);
+        for (part, frame) in body.shape().parts.iter().zip(body.part_frames()) {
+            let Some(physics) = part.model.as_ref().and_then(|m| m.physics.as_ref()) else {
+                continue;
+            };
+            let scale = part.scale * body.scale();
+            for polygon in physics.polygons().polygons() {
+                let vertices = physics.polygons().vertices(polygon).iter();
+                let corners: Vec<Vec3> = vertices
+                    .map(|v| frame.local_to_global(*v * scale) - eye)
+                    .collect();
+                self.polygon(&corners, color, 1.0, [0; 4]);
+            }
+        }
+        for sphere in &body.shape().spheres {
+            let at = |p: Vec3| body.position().frame.local_to_global(p * body.scale()) - eye;
+            for (a, b) in [(Vec3::X, Vec3::Y), (Vec3::Y, Vec3::Z), (Vec3::Z, Vec3::X)] {
+                let ring = core::array::from_fn::<Vec3, 20, _>(|k| {
+                    let (sin, cos) = libm::sincosf(k as f32 * core::f32::consts::TAU / 20.0);
+                    at(sphere.center + (a * cos + b * sin) * sphere.radius)
+                });
+                self.polygon(&ring, color, 1.0, [0; 4]);
             }
         }
     }
@@ -348,17 +452,13 @@ impl<'a> Marks<'a> {
         for &id in &cell.stab_list {
             let Some(other) = world.env_cell(id) else { continue };
             let listed = frame.floods().iter().any(|f| f.sees(id));
-            let color = if listed {
-                [90, 230, 110, 230]
-            } else {
-                [160, 160, 190, 200]
-            };
-            self.cell_box(other, color, if listed { 2.5 } else { 1.0 });
+            let color = if listed { SEEN } else { UNSEEN };
+            self.cell_box(other, with_alpha(color, 220), if listed { 2.5 } else { 1.0 });
             if let Some(b) = other.structure.bounds {
                 let eye = self.camera.eye_in(id.block());
                 let middle = other.frame.local_to_global((b.min + b.max) * 0.5) - eye;
                 let text = format!("{:04X} {}", id.low(), if listed { "seen" } else { "stab list" });
-                self.label(middle, text, [color[0], color[1], color[2]]);
+                self.label(middle, text, color);
             }
         }
         self.cell_box(cell, [255, 255, 255, 255], 2.5);

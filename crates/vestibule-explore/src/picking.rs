@@ -5,6 +5,8 @@ use vestibule_render::{PixelKind, RenderSettings, Scene, render_commands_ids};
 use vestibule_view::{Camera, Command, FrameInput, FrameView, Openings, WorldObjects};
 use vestibule_world::{CellId, World};
 
+use crate::portals::JudgedPortal;
+
 /// Something that was clicked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picked {
@@ -14,6 +16,8 @@ pub struct Picked {
     pub cell: Option<CellId>,
     /// More about it, name and value.
     pub facts: Vec<(&'static str, String)>,
+    /// Portals between the eye and it that the traversal judged, the nearest first.
+    pub portals: Vec<JudgedPortal>,
 }
 
 /// What a camera shows at a pixel. The traversal is made anew for that pixel alone.
@@ -89,7 +93,12 @@ pub fn pick(
             }
         }
     };
-    Some(Picked { what, cell, facts })
+    Some(Picked {
+        what,
+        cell,
+        facts,
+        portals: Vec::new(),
+    })
 }
 
 fn ground(world: &World, cell: CellId) -> Option<(&'static str, String)> {

@@ -25,6 +25,9 @@ pub enum PlaceError {
     /// There is no such cell.
     #[error("there is no cell {0} in this world")]
     NoCell(CellId),
+    /// There is such a cell, and the point is nowhere near it.
+    #[error("{0} lies far from the landblock of its cell, which measures 192 m")]
+    Far(Position),
     /// The coordinates lie outside the map.
     #[error("{0} lies outside the map")]
     OffMap(MapCoordinates),
@@ -72,10 +75,10 @@ fn usable(world: &World, position: Position) -> Result<Position, PlaceError> {
     let block = world.block(position.cell.block());
     // Landblocks measure 192 m; a kilometre beside one is a slip of the pen.
     let near = position.is_finite() && position.origin().abs().max_element() < 1000.0;
-    if block.is_some() && near {
-        Ok(position)
-    } else {
-        Err(PlaceError::NoCell(position.cell))
+    match block {
+        None => Err(PlaceError::NoCell(position.cell)),
+        Some(_) if !near => Err(PlaceError::Far(position)),
+        Some(_) => Ok(position),
     }
 }
 
@@ -155,5 +158,7 @@ mod tests {
         ] {
             assert!(find(&world, &names, text).is_err(), "{text}");
         }
+        let far = find(&world, &names, "0xA9B40031 [1e30 0 0]");
+        assert!(matches!(far, Err(PlaceError::Far(_))), "{far:?}");
     }
 }

@@ -1,8 +1,8 @@
 //! What became of each portal in the traversal, and why (`visibility.md` 4, 5).
 
-use glam::Vec3;
-use vestibule_view::{Camera, Flood, SeenCell};
-use vestibule_world::{CellPortal, EnvCell, PortalTarget, World};
+use glam::{Vec2, Vec3};
+use vestibule_view::{Camera, Flood, FrameView, SeenCell};
+use vestibule_world::{CellId, CellPortal, EnvCell, PortalTarget, World};
 
 /// What the traversal did with a portal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +22,16 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// All, as a legend lists them.
+    pub const ALL: [Verdict; 6] = [
+        Verdict::Passed,
+        Verdict::Outside,
+        Verdict::FacesAway,
+        Verdict::OutOfView,
+        Verdict::ClippedAway,
+        Verdict::NotLoaded,
+    ];
+
     /// The verdict in a few words.
     pub fn text(self) -> &'static str {
         match self {
@@ -44,6 +54,14 @@ impl Verdict {
             Verdict::NotLoaded => [255, 40, 200],
             Verdict::ClippedAway => [255, 70, 60],
         }
+    }
+}
+
+/// Where a portal leads, in a word.
+pub(crate) fn leads_to(target: PortalTarget) -> String {
+    match target {
+        PortalTarget::Outside => "outside".to_owned(),
+        PortalTarget::Cell(id) => format!("{:04X}", id.low()),
     }
 }
 
@@ -108,6 +126,67 @@ pub fn verdict(
     Verdict::ClippedAway
 }
 
+/// A portal, and what became of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JudgedPortal {
+    /// The cell it belongs to.
+    pub from: CellId,
+    /// Number of the portal in its cell's record.
+    pub record: u16,
+    /// Where it leads.
+    pub to: PortalTarget,
+    /// What the traversal did with it.
+    pub verdict: Verdict,
+    /// Metres from the eye.
+    pub distance: f32,
+}
+
+/// The portals of listed cells that lie at a pixel of a camera, the nearest first. Portals are listed once, by the
+/// side that the traversal came from.
+pub fn along(world: &World, frame: &FrameView, camera: &Camera, pixel: Vec2) -> Vec<JudgedPortal> {
+    let Some(judge) = frame.camera() else {
+        return Vec::new();
+    };
+    let ray = camera.ray_through(pixel).normalize_or_zero();
+    let mut out: Vec<JudgedPortal> = Vec::new();
+    for flood in frame.floods().iter() {
+        for seen in flood.cells() {
+            let Some(cell) = world.env_cell(seen.id) else {
+                continue;
+            };
+            for portal in &cell.portals {
+                let Some(distance) = pierced(&corners(camera, cell, portal), ray) else {
+                    continue;
+                };
+                let verdict = verdict(world, judge, &flood, seen, cell, portal);
+                // What faces away is the back of one that is listed already.
+                if verdict != Verdict::FacesAway {
+                    out.push(JudgedPortal {
+                        from: seen.id,
+                        record: portal.record_index,
+                        to: portal.other,
+                        verdict,
+                        distance,
+                    });
+                }
+            }
+        }
+    }
+    out.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+    out.dedup_by_key(|p| (p.from, p.record));
+    out
+}
+
+/// How far along a ray from the eye a flat convex polygon lies; `None` if it is missed.
+fn pierced(corners: &[Vec3], ray: Vec3) -> Option<f32> {
+    let side = |k: usize| corners[k].cross(corners[(k + 1) % corners.len()]).dot(ray);
+    let all = |sign: f32| (0..corners.len()).all(|k| side(k) * sign >= 0.0);
+    let [a, b, c, ..] = corners else { return None };
+    let normal = (*b - *a).cross(*c - *a);
+    let distance = normal.dot(*a) / normal.dot(ray);
+    (distance.is_finite() && distance > 0.0 && (all(1.0) || all(-1.0))).then_some(distance)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,6 +194,22 @@ mod tests {
     use glam::Vec2;
     use vestibule_view::{FrameInput, FrameView, Openings, WorldObjects};
     use vestibule_world::CellId;
+
+    #[test]
+    fn a_ray_through_the_doorway_meets_its_portals_in_order() {
+        let (world, _) = hollow();
+        let at = CellId(0xA9B4_0101);
+        let size = Vec2::new(320.0, 240.0);
+        let camera = Camera::new(at, Vec3::new(155.4, 12.4, 95.2), Vec3::Y, Vec3::Z, 1.0, size).unwrap();
+        let mut frame = FrameView::default();
+        let objects = WorldObjects::new(&world);
+        frame.update(&world, &Openings::new(), &objects, &FrameInput::new(camera));
+        let met = along(&world, &frame, &camera, size * 0.5);
+        let verdicts: Vec<Verdict> = met.iter().map(|p| p.verdict).collect();
+        assert_eq!(verdicts, [Verdict::Passed, Verdict::Outside], "{met:?}");
+        assert!(met[0].from == at && met[0].distance < met[1].distance);
+        assert_eq!(along(&world, &frame, &camera, Vec2::new(0.0, 239.0)), []);
+    }
 
     #[test]
     fn portals_tell_what_became_of_them() {

@@ -7,8 +7,8 @@ use vestibule_world::{CellId, EnvCell, PortalTarget, Position};
 use crate::explorer::Explorer;
 use crate::overlays::cell_color;
 
-/// Side of the map, points.
-const SIDE: f32 = 320.0;
+/// Metres across the map before it is zoomed, and the least and most of them.
+const ACROSS: (f32, f32, f32) = (26.0, 8.0, 400.0);
 /// Rooms this far above or below the player are drawn faintly, metres.
 const STOREY: f32 = 2.6;
 
@@ -49,12 +49,16 @@ pub(crate) fn room_at<'a>(cells: impl Iterator<Item = &'a EnvCell>, at: Vec2, z:
 }
 
 /// The map.
-pub(crate) fn show(context: &Context, explorer: &mut Explorer) {
+pub(crate) fn show(context: &Context, explorer: &mut Explorer, side: f32) {
+    let kept = egui::Id::unique("metres across the map");
+    let mut across: f32 = context.data(|d| d.get_temp(kept)).unwrap_or(ACROSS.0);
     let mut go: Option<Position> = None;
     let mut open = true;
     let window = egui::Window::new("Map").anchor(Align2::RIGHT_BOTTOM, [-10.0, -10.0]);
-    window.resizable(false).open(&mut open).show(context, |ui| {
-        let size = egui::vec2(SIDE, SIDE);
+    let window = window.resizable(false).default_size([side, side]);
+    window.open(&mut open).show(context, |ui| {
+        ui.set_max_width(side);
+        let size = egui::vec2(side, side);
         let (response, painter) = ui.allocate_painter(size, egui::Sense::click());
         let rect = response.rect;
         painter.rect_filled(rect, 3.0, Color32::from_rgb(34, 40, 32));
@@ -64,8 +68,12 @@ pub(crate) fn show(context: &Context, explorer: &mut Explorer) {
         let Some(block) = world.loaded_block(block_id) else {
             return;
         };
-        // About 60 m across, around the player; north is up.
-        let scale = SIDE / if block.land.is_some() { 64.0 } else { 48.0 };
+        if response.hovered() {
+            let wheel = ui.input(|i| i.smooth_scroll_delta().y);
+            across = (across * libm::powf(1.01, -wheel)).clamp(ACROSS.1, ACROSS.2);
+        }
+        // Around the player; north is up.
+        let scale = side / across;
         let to = |p: Vec2| -> Pos2 {
             let d = (p - at.truncate()) * scale;
             rect.center() + egui::vec2(d.x, -d.y)
@@ -97,6 +105,14 @@ pub(crate) fn show(context: &Context, explorer: &mut Explorer) {
             painter.add(egui::Shape::convex_polygon(points, fill, Stroke::new(1.0, line)));
             if !near {
                 continue;
+            }
+            let middle = (corners[0] + corners[2]) * 0.5;
+            let wide = (corners[2] - corners[0]).abs().min_element() * scale;
+            if wide > 46.0 {
+                let word = explorer.name_of(cell.id).and_then(|n| n.rsplit('.').next());
+                let word = word.map_or_else(|| format!("{:04X}", cell.id.low()), str::to_owned);
+                let font = egui::FontId::proportional(12.0);
+                painter.text(to(middle), Align2::CENTER_CENTER, word, font, Color32::WHITE);
             }
             for portal in &cell.portals {
                 let corners: Vec<Vec2> = cell
@@ -137,6 +153,9 @@ pub(crate) fn show(context: &Context, explorer: &mut Explorer) {
                     .name_of(cell)
                     .map(|n| format!("  {n}"))
                     .unwrap_or_default();
+                let line =
+                    egui::Rect::from_min_max(rect.left_bottom() - egui::vec2(0.0, 22.0), rect.right_bottom());
+                painter.rect_filled(line, 0.0, Color32::from_black_alpha(170));
                 painter.text(
                     rect.left_bottom() + egui::vec2(6.0, -6.0),
                     Align2::LEFT_BOTTOM,
@@ -156,6 +175,7 @@ pub(crate) fn show(context: &Context, explorer: &mut Explorer) {
             }
         }
     });
+    context.data_mut(|d| d.insert_temp(kept, across));
     if let Some(position) = go {
         explorer.go_to(&position);
     }

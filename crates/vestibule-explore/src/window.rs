@@ -1,5 +1,6 @@
 //! The window: events in, frames out.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
@@ -23,6 +24,10 @@ use crate::panels::{self, FrameTimes};
 
 /// Movement of a pressed mouse that still is a click, pixels.
 const CLICK: f64 = 4.0;
+/// A device that was lost more often than this within a few seconds is not opened again.
+const MOST_LOSSES: usize = 3;
+/// A few seconds.
+const FEW_SECONDS: f32 = 20.0;
 
 /// How the window is opened.
 pub struct Options {
@@ -38,13 +43,21 @@ pub struct Options {
     pub cpu: bool,
     /// Where pictures are saved.
     pub pictures: PathBuf,
+    /// Is shown the state after every frame.
+    pub watch: Option<Watch>,
+    /// Seconds after which the graphics device is destroyed, to try out what happens then; several times if it is to be
+    /// lost again.
+    pub lose_device: Vec<f32>,
 }
+
+/// Looks on after every frame. An error is told in the window, and ends the looking on.
+pub type Watch = Box<dyn FnMut(&Explorer) -> Result<(), String>>;
 
 /// Opens the window and runs until it is closed.
 ///
 /// # Errors
 /// When there is no display, or nothing can be drawn into the window. What goes wrong with the world is shown in the
-/// window.
+/// window first, and is the error once it is closed.
 pub fn run(options: Options) -> Result<(), ExploreError> {
     let event_loop = EventLoop::new().map_err(|e| ExploreError::NoDisplay(e.to_string()))?;
     event_loop.set_control_flow(ControlFlow::Poll);
@@ -53,8 +66,13 @@ pub fn run(options: Options) -> Result<(), ExploreError> {
         title: options.title,
         size: options.size,
         adapter: options.adapter,
-        cpu: options.cpu,
+        cpu: options.cpu.then(|| "as asked".to_owned()),
         pictures: options.pictures,
+        watch: options.watch,
+        to_lose: options.lose_device,
+        notice: None,
+        begun: Instant::now(),
+        losses: Vec::new(),
         open: None,
         failed: None,
         held: Held::default(),
@@ -64,9 +82,10 @@ pub fn run(options: Options) -> Result<(), ExploreError> {
         last: Instant::now(),
     };
     event_loop.run_app(&mut app)?;
-    match app.failed {
-        Some(error) => Err(error),
-        None => Ok(()),
+    match (app.failed, app.phase) {
+        (Some(error), _) => Err(error),
+        (None, Phase::Failed(why)) => Err(ExploreError::World(why)),
+        (None, _) => Ok(()),
     }
 }
 
@@ -88,13 +107,48 @@ struct Opened {
     input: egui_winit::State,
 }
 
+impl Opened {
+    fn new(window: Arc<Window>, screen: Screen) -> Self {
+        let context = egui::Context::default();
+        panels::style(&context);
+        let longest = match &screen {
+            Screen::Gpu(gpu) => gpu.longest_side() as usize,
+            Screen::Cpu(_) => 4096,
+        };
+        let root = egui::ViewportId::ROOT;
+        let input = egui_winit::State::new(
+            context.clone(),
+            root,
+            &window,
+            None,
+            window.theme(),
+            Some(longest),
+        );
+        Opened {
+            window,
+            screen,
+            context,
+            input,
+        }
+    }
+}
+
 struct App {
     phase: Phase,
     title: String,
     size: (u32, u32),
     adapter: AdapterChoice,
-    cpu: bool,
+    /// Why the CPU is to draw, if it is.
+    cpu: Option<String>,
     pictures: PathBuf,
+    watch: Option<Watch>,
+    /// Seconds since `begun` when the device is to be destroyed.
+    to_lose: Vec<f32>,
+    /// Why there is no adapter.
+    notice: Option<String>,
+    begun: Instant,
+    /// When devices were lost.
+    losses: Vec<Instant>,
     open: Option<Opened>,
     failed: Option<ExploreError>,
     held: Held,
@@ -110,10 +164,10 @@ fn screen(
     event_loop: &ActiveEventLoop,
     window: &Arc<Window>,
     adapter: AdapterChoice,
-    cpu: bool,
+    cpu: Option<&str>,
 ) -> Result<(Screen, Option<String>), ExploreError> {
-    let why = if cpu {
-        "as asked".to_owned()
+    let why = if let Some(why) = cpu {
+        why.to_owned()
     } else {
         let display = Box::new(event_loop.owned_display_handle());
         match GpuScreen::new(window.clone(), display, adapter) {
@@ -139,28 +193,9 @@ impl App {
             .create_window(attributes)
             .map_err(|e| ExploreError::NoDisplay(e.to_string()))?;
         let window = Arc::new(window);
-        let (screen, notice) = screen(event_loop, &window, self.adapter, self.cpu)?;
+        let (screen, notice) = screen(event_loop, &window, self.adapter, self.cpu.as_deref())?;
         self.note(&screen, notice);
-        let context = egui::Context::default();
-        panels::style(&context);
-        let longest = match &screen {
-            Screen::Gpu(gpu) => gpu.longest_side() as usize,
-            Screen::Cpu(_) => 4096,
-        };
-        let input = egui_winit::State::new(
-            context.clone(),
-            egui::ViewportId::ROOT,
-            &window,
-            None,
-            window.theme(),
-            Some(longest),
-        );
-        Ok(Opened {
-            window,
-            screen,
-            context,
-            input,
-        })
+        Ok(Opened::new(window, screen))
     }
 
     fn note(&mut self, screen: &Screen, notice: Option<String>) {
@@ -169,10 +204,10 @@ impl App {
             Screen::Cpu(_) => "CPU renderer".to_owned(),
         };
         if let Some(notice) = notice {
-            use std::io::Write as _;
             // Who closed stderr does not want to know.
             let _ = writeln!(std::io::stderr(), "{notice}");
-            self.times.adapter = notice;
+            self.times.adapter.clone_from(&notice);
+            self.notice = Some(notice);
         }
     }
 
@@ -184,7 +219,10 @@ impl App {
             match told.try_recv() {
                 Ok(Progress::At(now, done)) => (*what, *share) = (now, done),
                 Ok(Progress::Done(mut explorer)) => {
-                    explorer.tell("H shows the keys");
+                    explorer.tell(match &self.notice {
+                        Some(notice) => format!("{notice}\nH shows the keys"),
+                        None => "H shows the keys".to_owned(),
+                    });
                     self.phase = Phase::Exploring(explorer);
                     return;
                 }
@@ -206,7 +244,15 @@ impl App {
         let now = Instant::now();
         let dt = (now - self.last).as_secs_f32();
         self.last = now;
+        let lose = self
+            .to_lose
+            .first()
+            .is_some_and(|at| (now - self.begun).as_secs_f32() > *at);
         let Some(open) = &mut self.open else { return };
+        if lose && let Screen::Gpu(gpu) = &open.screen {
+            self.to_lose.remove(0);
+            gpu.destroy();
+        }
         let size = open.window.inner_size();
         if size.width == 0 || size.height == 0 {
             // Minimised: nothing to draw, and no hurry.
@@ -222,14 +268,14 @@ impl App {
         if let Phase::Exploring(explorer) = &mut self.phase {
             let begin = Instant::now();
             let viewport = Vec2::new(picture.0 as f32, picture.1 as f32);
-            // Slow frames are walked through in several steps, or doors would be missed.
-            let mut left = if dt < 1.0 { dt } else { 1.0 };
-            while left > 0.1 {
-                explorer.tick(&self.held, 0.1, viewport);
-                left -= 0.1;
-            }
-            explorer.tick(&self.held, left, viewport);
+            explorer.tick(&self.held, dt, viewport);
             self.times.decide = begin.elapsed().as_secs_f32();
+            if let Some(watch) = &mut self.watch
+                && let Err(why) = watch(explorer)
+            {
+                explorer.tell(why);
+                self.watch = None;
+            }
         }
         let input = open.input.take_egui_input(&open.window);
         let (phase, times) = (&mut self.phase, &self.times);
@@ -238,7 +284,7 @@ impl App {
             match phase {
                 Phase::Loading(_, what, share) => panels::loading(&context, what, *share),
                 Phase::Exploring(explorer) => panels::show(&context, explorer, times),
-                Phase::Failed(why) => panels::loading(&context, &format!("cannot be explored: {why}"), 0.0),
+                Phase::Failed(why) => panels::failed(&context, why),
             }
         });
         open.input
@@ -282,23 +328,30 @@ impl App {
         // The window stays; what belongs to the lost device goes first.
         let window = open.window.clone();
         drop(open.screen);
-        match screen(event_loop, &window, self.adapter, self.cpu) {
+        let now = Instant::now();
+        self.losses.push(now);
+        self.losses
+            .retain(|then| (now - *then).as_secs_f32() < FEW_SECONDS);
+        // What is lost again and again is of no use.
+        if self.losses.len() > MOST_LOSSES {
+            self.cpu = Some("the graphics device was lost again and again".to_owned());
+        }
+        match screen(event_loop, &window, self.adapter, self.cpu.as_deref()) {
             Ok((screen, notice)) => {
+                let on_gpu = matches!(screen, Screen::Gpu(_));
                 self.note(&screen, notice);
-                let context = egui::Context::default();
-                panels::style(&context);
-                let root = egui::ViewportId::ROOT;
-                let input =
-                    egui_winit::State::new(context.clone(), root, &window, None, window.theme(), None);
                 window.request_redraw();
-                self.open = Some(Opened {
-                    window,
-                    screen,
-                    context,
-                    input,
-                });
+                self.open = Some(Opened::new(window, screen));
+                let what = if on_gpu {
+                    "opened anew"
+                } else {
+                    "the CPU draws now"
+                };
+                let text = format!("{}; {what}", why.trim_end_matches([':', ' ']));
+                // Who closed stderr does not want to know.
+                let _ = writeln!(std::io::stderr(), "{text}");
                 if let Phase::Exploring(explorer) = &mut self.phase {
-                    explorer.tell(format!("the graphics device was lost and opened anew: {why}"));
+                    explorer.tell(text);
                 }
             }
             Err(error) => self.fail(event_loop, error),
@@ -327,7 +380,7 @@ impl App {
         }
     }
 
-    fn key(&mut self, event: &winit::event::KeyEvent) {
+    fn key(&mut self, event_loop: &ActiveEventLoop, event: &winit::event::KeyEvent) {
         let name = match &event.logical_key {
             Key::Character(text) => text.to_lowercase(),
             Key::Named(NamedKey::Space) => "Space".to_owned(),
@@ -336,6 +389,9 @@ impl App {
         };
         let down = event.state == ElementState::Pressed;
         let Phase::Exploring(explorer) = &mut self.phase else {
+            if down && name == "Escape" {
+                event_loop.exit();
+            }
             return;
         };
         if let Some(typed) = &mut explorer.typing {
@@ -357,6 +413,11 @@ impl App {
                 }
             }
             return;
+        }
+        if down && !event.repeat {
+            let mut tapped = Held::default();
+            tapped.set(&name, true);
+            explorer.tap(tapped);
         }
         if !self.held.set(&name, down)
             && down
@@ -420,7 +481,7 @@ impl ApplicationHandler for App {
         match event {
             WindowEvent::CloseRequested => event_loop.exit(),
             WindowEvent::RedrawRequested => self.redraw(event_loop),
-            WindowEvent::KeyboardInput { event, .. } => self.key(&event),
+            WindowEvent::KeyboardInput { event, .. } => self.key(event_loop, &event),
             WindowEvent::Focused(false) => self.held = Held::default(),
             WindowEvent::CursorMoved { position, .. } => {
                 let now = Vec2::new(position.x as f32, position.y as f32);

@@ -478,7 +478,7 @@ impl<'a> Collector<'a> {
                     ..MeshLight::plain(LightKind::Indoor)
                 };
                 for (k, &lamp) in near.iter().enumerate() {
-                    light.near[(k / 4).min(1)] |= u32::from(lamp) << (8 * (k % 4));
+                    light.near[(k / 4) & 1] |= u32::from(lamp) << (8 * (k % 4));
                 }
                 light
             }

@@ -6,6 +6,8 @@ mod conform;
 mod dat;
 #[cfg_attr(not(feature = "explore"), path = "cmd/no_explore.rs")]
 mod explore;
+#[cfg(feature = "explore")]
+mod explore_trail;
 #[cfg_attr(not(feature = "explore"), path = "cmd/no_gpu.rs")]
 mod gpu;
 mod gpu_cost;

@@ -4,8 +4,9 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use vestibule::world::{CellId, Position, World};
-use vestibule_explore::{AdapterChoice, NamedPlace, Opened, Options, keys_help, middle_of};
+use vestibule_explore::{AdapterChoice, ExploreError, NamedPlace, Opened, Options, keys_help, middle_of};
 
+use super::explore_trail;
 use super::place::{Place, parse_place};
 use super::render::parse_size;
 use crate::ui::{Context, hinted};
@@ -37,6 +38,13 @@ pub(crate) struct Args {
     /// Folder for saved pictures
     #[arg(long, value_name = "DIR", default_value = ".")]
     pictures: PathBuf,
+    /// Write where player and viewer are as JSON lines, one a step; `-` is standard output. `vestibule map --trail` draws
+    /// it, `vestibule replay` holds it against the world
+    #[arg(long, value_name = "FILE")]
+    trail: Option<PathBuf>,
+    /// Destroy the graphics device after so many seconds, to try out what happens then
+    #[arg(long, value_name = "SECONDS", hide = true, value_delimiter = ',')]
+    lose_device: Vec<f32>,
     /// Print the keys and open no window
     #[arg(long)]
     keys: bool,
@@ -87,12 +95,18 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         },
         cpu: args.cpu,
         pictures: args.pictures.clone(),
+        lose_device: args.lose_device.clone(),
+        watch: args.trail.as_deref().map(explore_trail::watch).transpose()?,
     };
-    vestibule_explore::run(options).map_err(|error| {
-        hinted(
+    vestibule_explore::run(options).map_err(|error| match error {
+        ExploreError::World(_) | ExploreError::NoStart(_) => hinted(
+            error,
+            "`vestibule dat verify DIR` tells what is wrong with files; --start says where to begin",
+        ),
+        _ => hinted(
             error,
             "a window needs a display; `vestibule render` and `vestibule tour` do without",
-        )
+        ),
     })
 }
 
@@ -115,4 +129,24 @@ fn first_place(world: &World) -> Option<Position> {
         let mut cells = blocks.flat_map(|b| [b << 16 | 1, b << 16 | 0x100]);
         cells.find_map(|id| middle_of(world, CellId(id)))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Args as _;
+    use vestibule_explore::KEYS;
+
+    #[test]
+    fn help_has_the_keys_of_the_window() {
+        let mut command = super::Args::augment_args(clap::Command::new("explore"));
+        let help = command.render_long_help().to_string();
+        for (group, keys, what) in KEYS {
+            let line = help
+                .lines()
+                .find(|line| line.trim_start().starts_with(keys) && line.ends_with(what));
+            assert!(line.is_some(), "{keys}: {what} in\n{help}");
+            assert!(help.contains(group.name()));
+        }
+        assert!(!help.contains("lose-device"));
+    }
 }
