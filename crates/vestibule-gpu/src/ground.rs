@@ -6,13 +6,16 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use vestibule_render::{Assets, CellPaint, Cover, LandMesh, Level, TerrainPaint, Texture, TypeTexture};
+use vestibule_render::{
+    Assets, CellPaint, Cover, LandMesh, Level, NumberMap, TerrainPaint, Texture, TypeTexture,
+};
 use vestibule_world::constants::SQUARE_LENGTH;
 use vestibule_world::terrain::vertex_index;
 use vestibule_world::{BlockId, CellId, World};
 
-use crate::meshes::filled;
+use crate::arena::Arena;
 use crate::textures::{KEPT_FRAMES, Sampling, extent, fitting, sampler, sampler_entry, texture_entry, write};
+use crate::uniforms::WINDOW;
 
 /// Terrain textures, and blend maps, that fit into the six bits of a layer.
 const MAX_LAYERS: usize = 63;
@@ -27,26 +30,33 @@ pub(crate) struct Corner {
     cell: u32,
     layers: [u32; 4],
     roads: [u32; 2],
+    /// Of the list of landblocks.
+    land: u32,
 }
 
 pub(crate) const CORNER_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
     array_stride: size_of::<Corner>() as u64,
     step_mode: wgpu::VertexStepMode::Vertex,
     attributes: &wgpu::vertex_attr_array![
-        0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Uint32, 4 => Uint32x4, 5 => Uint32x2
+        0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Uint32, 4 => Uint32x4, 5 => Uint32x2, 6 => Uint32
     ],
 };
 
 /// Corners of one land cell.
-pub(crate) const PER_CELL: u32 = 6;
+const PER_CELL: u32 = 6;
+/// Corners of a landblock.
+const PER_LAND: u32 = 64 * PER_CELL;
+/// Landblocks whose place fits into what shaders see of a list.
+const MAX_LANDS: usize = (WINDOW / 16) as usize;
 
 /// The ground of one block at one stride.
 #[derive(Debug)]
-pub(crate) struct GpuLand {
+struct GpuLand {
     source: Arc<LandMesh>,
-    pub(crate) vertices: wgpu::Buffer,
+    /// Its place in the list of landblocks and among the corners.
+    slot: u32,
     /// One bit a land cell: it shows its base texture and nothing else.
-    pub(crate) plain: u64,
+    plain: u64,
     used: u64,
 }
 
@@ -54,8 +64,11 @@ pub(crate) struct GpuLand {
 #[derive(Debug)]
 pub(crate) struct Ground {
     pub(crate) layout: wgpu::BindGroupLayout,
+    pub(crate) corners: Arena,
+    /// Where each landblock lies for the eye of the frame, by slot.
+    pub(crate) places: Vec<[f32; 4]>,
     paint: Option<Paint>,
-    lands: HashMap<(BlockId, u8), GpuLand>,
+    lands: NumberMap<u32, GpuLand>,
     sampling: Sampling,
 }
 
@@ -80,8 +93,16 @@ impl Ground {
                     sampler_entry(3),
                 ],
             }),
+            corners: Arena::new(
+                device,
+                "ground corners",
+                wgpu::BufferUsages::VERTEX,
+                size_of::<Corner>() * PER_LAND as usize,
+                16,
+            ),
+            places: Vec::new(),
             paint: None,
-            lands: HashMap::new(),
+            lands: NumberMap::default(),
             sampling,
         }
     }
@@ -94,66 +115,127 @@ impl Ground {
         self.paint.as_ref().map(|p| &p.group)
     }
 
-    pub(crate) fn land(&self, key: (BlockId, u8)) -> Option<&GpuLand> {
-        self.lands.get(&key)
-    }
-
     pub(crate) fn sweep(&mut self, frame: u64) {
-        self.lands
-            .retain(|_, l| frame.saturating_sub(l.used) < KEPT_FRAMES);
+        let corners = &mut self.corners;
+        self.lands.retain(|_, l| {
+            let keep = frame.saturating_sub(l.used) < KEPT_FRAMES;
+            if !keep {
+                corners.give_back(u64::from(l.slot), 1);
+            }
+            keep
+        });
     }
 
-    /// Sees to it that the ground of a block is there, every `stride`-th vertex of it; 0 is full detail.
-    pub(crate) fn prepare(
+    /// The slot of a block's ground, every `stride`-th vertex of it, 0 is full detail, and a bit for each land cell that
+    /// shows its base texture only. It is uploaded if it is not there yet. `place` tells where the block lies.
+    pub(crate) fn get(
         &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
         (world, assets): (&World, &Assets),
         (block, stride): (BlockId, u8),
         frame: u64,
-    ) -> bool {
-        let Some(land) = assets.land(world, block) else {
-            return false;
-        };
+        place: impl FnOnce() -> Vec3,
+    ) -> Option<(u32, u64)> {
+        let land = assets.land(world, block)?;
         let terrain = assets.terrain(world);
         if !self
             .paint
             .as_ref()
             .is_some_and(|p| Arc::ptr_eq(&p.source, &terrain))
         {
-            self.lands.clear();
+            self.drop_all();
             self.paint = Some(Paint::upload(device, queue, &self.layout, terrain, self.sampling));
         }
-        if let Some(found) = self.lands.get_mut(&(block, stride))
-            && Arc::ptr_eq(&found.source, &land)
-        {
-            found.used = frame;
-            return true;
+        let key = u32::from(block.0) << 8 | u32::from(stride);
+        let known = self.lands.get(&key);
+        if !known.is_some_and(|l| Arc::ptr_eq(&l.source, &land)) {
+            self.upload((device, queue), world, (block, stride), land, frame)?;
         }
-        let Some(paint) = &self.paint else { return false };
-        let Some(corners) = corners(world, block, &land, stride, paint) else {
-            return false;
+        let found = self.lands.get_mut(&key)?;
+        if found.used < frame {
+            found.used = frame;
+            let slot = found.slot as usize;
+            if self.places.len() <= slot {
+                self.places.resize(slot + 1, [0.0; 4]);
+            }
+            self.places[slot] = place().extend(0.0).to_array();
+        }
+        Some((found.slot, found.plain))
+    }
+
+    fn drop_all(&mut self) {
+        for land in self.lands.values() {
+            self.corners.give_back(u64::from(land.slot), 1);
+        }
+        self.lands.clear();
+    }
+
+    fn upload(
+        &mut self,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        world: &World,
+        (block, stride): (BlockId, u8),
+        land: Arc<LandMesh>,
+        frame: u64,
+    ) -> Option<()> {
+        let key = u32::from(block.0) << 8 | u32::from(stride);
+        if let Some(old) = self.lands.remove(&key) {
+            self.corners.give_back(u64::from(old.slot), 1);
+        }
+        if self.lands.len() >= MAX_LANDS {
+            // The one that was not drawn for the longest time makes room.
+            let oldest = self.lands.iter().min_by_key(|(key, l)| (l.used, **key));
+            let (&oldest, _) = oldest.filter(|(_, l)| l.used < frame)?;
+            let old = self.lands.remove(&oldest)?;
+            self.corners.give_back(u64::from(old.slot), 1);
+        }
+        let slot = self.corners.take(device, queue, 1)? as u32;
+        let paint = self.paint.as_ref();
+        let Some(list) = paint.and_then(|paint| corners(world, block, &land, stride, slot, paint)) else {
+            self.corners.give_back(u64::from(slot), 1);
+            return None;
         };
+        self.corners
+            .write(queue, u64::from(slot), bytemuck::cast_slice(&list));
         let is_plain = |(k, p): (usize, &CellPaint)| {
             let plain = p.overlays.is_empty() && p.roads.is_empty();
             u64::from(plain) << (k & 63)
         };
         let plain = land.paint.iter().enumerate().map(is_plain).fold(0, |a, b| a | b);
         let made = GpuLand {
-            plain,
             source: land,
-            vertices: filled(device, wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&corners)),
-            used: frame,
+            slot,
+            plain,
+            used: 0,
         };
-        self.lands.insert((block, stride), made);
-        true
+        self.lands.insert(key, made);
+        Some(())
+    }
+}
+
+/// Adds the corners of the land cells whose bits are set.
+pub(crate) fn list_cells(slot: u32, cells: u64, out: &mut Vec<u32>) {
+    let mut rest = cells;
+    while rest != 0 {
+        let from = rest.trailing_zeros();
+        let count = (rest >> from).trailing_ones();
+        let first = slot * PER_LAND + from * PER_CELL;
+        out.extend(first..first + count * PER_CELL);
+        rest &= u64::MAX.checked_shl(from + count).unwrap_or(0);
     }
 }
 
 /// Two triangles for each of the 64 land cells, in the order of their ids.
-fn corners(world: &World, block: BlockId, land: &LandMesh, stride: u8, paint: &Paint) -> Option<Vec<Corner>> {
+fn corners(
+    world: &World,
+    block: BlockId,
+    land: &LandMesh,
+    stride: u8,
+    slot: u32,
+    paint: &Paint,
+) -> Option<Vec<Corner>> {
     let ground = world.loaded_block(block)?.land.as_ref()?;
-    let mut out = Vec::with_capacity(64 * PER_CELL as usize);
+    let mut out = Vec::with_capacity(PER_LAND as usize);
     for k in 0..64usize {
         let (i, j) = (k / 8, k % 8);
         let (layers, roads) = land.paint.get(k).map_or(([0; 4], [0; 2]), |p| paint.cell(p));
@@ -169,6 +251,7 @@ fn corners(world: &World, block: BlockId, land: &LandMesh, stride: u8, paint: &P
                 cell,
                 layers,
                 roads,
+                land: slot,
             });
         };
         if stride == 0 {
@@ -196,7 +279,7 @@ fn corners(world: &World, block: BlockId, land: &LandMesh, stride: u8, paint: &P
         let from = out.len() - PER_CELL as usize;
         out[from..].iter_mut().for_each(|c| c.cell = named);
     }
-    (out.len() == 64 * PER_CELL as usize).then_some(out)
+    (out.len() == PER_LAND as usize).then_some(out)
 }
 
 /// A vertex of the grid on the coarse triangles, with the normal that light is interpolated by.

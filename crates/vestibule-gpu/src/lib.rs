@@ -8,6 +8,7 @@
 //!
 //! * [`Gpu`] opens an adapter: Vulkan, Metal, Direct3D 12 or OpenGL, a software one if there is no other;
 //! * [`Renderer`] draws a [`Picture`] into a [`Target`], whose colours other passes can show;
+//! * [`FrameTimer`] tells what frames cost;
 //! * [`Renderer::image`] and [`Renderer::ids`] read pictures back.
 //!
 //! Nothing here asks for more than a browser with WebGL2 has: no compute, no storage buffers, no clip distances, four
@@ -33,23 +34,24 @@
 
 #![forbid(unsafe_code)]
 
+mod arena;
 mod collect;
+mod cost;
 mod device;
 mod error;
 mod ground;
 mod meshes;
-mod picture;
 mod pipelines;
-mod place;
 mod renderer;
 mod target;
 mod textures;
 mod uniforms;
 
 pub use collect::FrameStats;
+pub use cost::{FrameCost, FrameTimer, views as cost_views};
 pub use device::{AdapterChoice, Gpu, instance};
 pub use error::GpuError;
-pub use picture::Picture;
 pub use renderer::{Filtering, Renderer, RendererOptions, Uploaded};
 pub use target::Target;
+pub use vestibule_render::Picture;
 pub use wgpu;

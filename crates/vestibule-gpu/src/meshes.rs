@@ -1,12 +1,12 @@
-//! Meshes on the GPU: faces as triangles, grouped by what they are painted with.
+//! Meshes on the GPU: faces as triangles, grouped by what they are painted with, all in one pair of buffers.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use vestibule_render::{DrawList, Material, Mesh};
+use vestibule_render::{DrawList, Material, Mesh, NumberMap};
 
-use crate::textures::KEPT_FRAMES;
+use crate::arena::Arena;
+use crate::textures::{KEPT_FRAMES, Slot, Textures};
 
 /// A corner as `shaders/mesh.wgsl` reads it.
 #[repr(C)]
@@ -27,60 +27,146 @@ pub(crate) const CORNER_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::Vertex
 /// Triangles of one material.
 #[derive(Clone, Debug)]
 pub(crate) struct Batch {
+    /// In the buffer of indices.
     pub(crate) first: u32,
     pub(crate) count: u32,
     pub(crate) material: Arc<Material>,
     pub(crate) wrap: bool,
+    pub(crate) texture: Slot,
 }
 
 #[derive(Debug)]
 pub(crate) struct GpuMesh {
     pub(crate) source: Arc<Mesh>,
-    pub(crate) vertices: wgpu::Buffer,
-    pub(crate) indices: wgpu::Buffer,
     pub(crate) batches: Arc<[Batch]>,
-    pub(crate) triangles: u32,
+    /// Corners and indices (first, count) in the arenas.
+    corners: (u64, u64),
+    indices: (u64, u64),
     used: u64,
 }
 
 /// Meshes by the address of their source.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Meshes {
-    all: HashMap<usize, GpuMesh>,
+    all: NumberMap<usize, GpuMesh>,
+    pub(crate) corners: Arena,
+    pub(crate) indices: Arena,
 }
 
 impl Meshes {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
+        Meshes {
+            all: NumberMap::default(),
+            corners: Arena::new(
+                device,
+                "corners",
+                wgpu::BufferUsages::VERTEX,
+                size_of::<Corner>(),
+                1 << 16,
+            ),
+            indices: Arena::new(
+                device,
+                "indices",
+                wgpu::BufferUsages::INDEX,
+                size_of::<u32>(),
+                1 << 17,
+            ),
+        }
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.all.len()
     }
 
-    /// The key of a mesh that is uploaded if it is not there yet; `None` when it has no triangles.
-    pub(crate) fn get(&mut self, device: &wgpu::Device, source: &Arc<Mesh>, frame: u64) -> Option<usize> {
+    /// The batches of a mesh that is uploaded if it is not there yet; none when it has no triangles or no room.
+    pub(crate) fn get(
+        &mut self,
+        (device, queue): (&wgpu::Device, &wgpu::Queue),
+        textures: &mut Textures,
+        source: &Arc<Mesh>,
+        frame: u64,
+    ) -> Arc<[Batch]> {
         let key = Arc::as_ptr(source) as usize;
         if let Some(found) = self.all.get_mut(&key) {
             found.used = frame;
-            return (found.triangles > 0).then_some(key);
+            return found.batches.clone();
         }
-        let made = upload(device, source, frame);
-        let drawn = made.triangles > 0;
+        let made = self.upload(device, queue, textures, source, frame);
+        let batches = made.batches.clone();
         self.all.insert(key, made);
-        drawn.then_some(key)
+        batches
     }
 
-    pub(crate) fn mesh(&self, key: usize) -> Option<&GpuMesh> {
-        self.all.get(&key)
+    /// Drops what was not drawn for long, or what nobody else holds any more.
+    pub(crate) fn sweep(&mut self, textures: &mut Textures, frame: u64) {
+        let (corners, indices) = (&mut self.corners, &mut self.indices);
+        self.all.retain(|_, m| {
+            let keep = Arc::strong_count(&m.source) > 1 && frame.saturating_sub(m.used) < KEPT_FRAMES;
+            if !keep {
+                corners.give_back(m.corners.0, m.corners.1);
+                indices.give_back(m.indices.0, m.indices.1);
+                for batch in m.batches.iter() {
+                    textures.release(&batch.material.texture);
+                }
+            }
+            keep
+        });
     }
 
-    pub(crate) fn sweep(&mut self, frame: u64) {
-        self.all
-            .retain(|_, m| Arc::strong_count(&m.source) > 1 && frame.saturating_sub(m.used) < KEPT_FRAMES);
+    fn upload(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        textures: &mut Textures,
+        source: &Arc<Mesh>,
+        frame: u64,
+    ) -> GpuMesh {
+        let (corners, groups) = grouped(source);
+        let count = groups.iter().map(|(.., list)| list.len() as u64).sum();
+        let mut made = GpuMesh {
+            source: source.clone(),
+            batches: [].into(),
+            corners: (0, 0),
+            indices: (0, 0),
+            used: frame,
+        };
+        if count == 0 {
+            return made;
+        }
+        let Some(at) = self.corners.take(device, queue, corners.len() as u64) else {
+            return made;
+        };
+        made.corners = (at, corners.len() as u64);
+        self.corners.write(queue, at, bytemuck::cast_slice(&corners));
+        let lists = groups.iter().flat_map(|(.., list)| list);
+        let all: Vec<u32> = lists.map(|i| i + at as u32).collect();
+        let Some(at) = self.indices.take(device, queue, count) else {
+            return made;
+        };
+        made.indices = (at, count);
+        self.indices.write(queue, at, bytemuck::cast_slice(&all));
+        let mut first = at as u32;
+        let batch = |(material, wrap, list): (Arc<Material>, bool, Vec<u32>)| {
+            let batch = Batch {
+                first,
+                count: list.len() as u32,
+                texture: textures.get(device, queue, &material.texture),
+                material,
+                wrap,
+            };
+            first += batch.count;
+            batch
+        };
+        made.batches = groups.into_iter().map(batch).collect();
+        made
     }
 }
 
-fn upload(device: &wgpu::Device, source: &Arc<Mesh>, frame: u64) -> GpuMesh {
+/// Corners, and triangles by what they are painted with; what is drawn at once may be grouped, what is put aside keeps
+/// its order.
+fn grouped(source: &Mesh) -> (Vec<Corner>, Vec<(Arc<Material>, bool, Vec<u32>)>) {
     let mut corners: Vec<Corner> = Vec::with_capacity(source.vertices.len());
-    // Faces with their triangles; what is drawn at once may be grouped, what is put aside keeps its order.
-    let mut groups: Vec<(Batch, Vec<u32>)> = Vec::new();
+    let mut groups: Vec<(Arc<Material>, bool, Vec<u32>)> = Vec::new();
     for face in &source.faces {
         let Some(material) = source.materials.get(face.material as usize) else {
             continue;
@@ -92,57 +178,21 @@ fn upload(device: &wgpu::Device, source: &Arc<Mesh>, frame: u64) -> GpuMesh {
             uv: v.uv.to_array(),
             polygon: u32::from(face.polygon),
         }));
-        let same = |b: &Batch| Arc::ptr_eq(&b.material, material) && b.wrap == face.wrap;
+        let same = |g: &(Arc<Material>, bool, Vec<u32>)| Arc::ptr_eq(&g.0, material) && g.1 == face.wrap;
         let slot = if material.list == DrawList::Now {
-            groups.iter().position(|(b, _)| same(b))
+            groups.iter().position(same)
         } else {
-            groups.len().checked_sub(1).filter(|&k| same(&groups[k].0))
+            groups.len().checked_sub(1).filter(|&k| same(&groups[k]))
         };
         let slot = slot.unwrap_or_else(|| {
-            let batch = Batch {
-                first: 0,
-                count: 0,
-                material: material.clone(),
-                wrap: face.wrap,
-            };
-            groups.push((batch, Vec::new()));
+            groups.push((material.clone(), face.wrap, Vec::new()));
             groups.len() - 1
         });
         let count = corners.len() as u32 - first;
         for k in 1..count.saturating_sub(1) {
-            groups[slot].1.extend([first, first + k, first + k + 1]);
+            groups[slot].2.extend([first, first + k, first + k + 1]);
         }
     }
-    let mut indices: Vec<u32> = Vec::new();
-    let batches = groups
-        .into_iter()
-        .map(|(mut batch, list)| {
-            (batch.first, batch.count) = (indices.len() as u32, list.len() as u32);
-            indices.extend(list);
-            batch
-        })
-        .collect();
-    GpuMesh {
-        source: source.clone(),
-        vertices: filled(device, wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&corners)),
-        indices: filled(device, wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&indices)),
-        batches,
-        triangles: indices.len() as u32 / 3,
-        used: frame,
-    }
-}
-
-/// A buffer with this content.
-pub(crate) fn filled(device: &wgpu::Device, usage: wgpu::BufferUsages, bytes: &[u8]) -> wgpu::Buffer {
-    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("mesh"),
-        size: (bytes.len() as u64).max(4).next_multiple_of(4),
-        usage,
-        mapped_at_creation: true,
-    });
-    if let Ok(mut range) = buffer.get_mapped_range_mut(0..bytes.len() as u64) {
-        range.copy_from_slice(bytes);
-    }
-    buffer.unmap();
-    buffer
+    groups.retain(|(.., list)| !list.is_empty());
+    (corners, groups)
 }

@@ -1,12 +1,10 @@
 //! Pipelines, made when first needed.
 
-use std::collections::HashMap;
-
-use vestibule_render::{Blend, Factor};
+use vestibule_render::{Blend, Factor, NumberMap};
 
 use crate::ground;
 use crate::meshes;
-use crate::uniforms::{DrawUniform, FrameUniform, LightUniform};
+use crate::uniforms::{FrameUniform, INSTANCE_LAYOUT, WINDOW};
 
 /// Depth as `rendering.md` 9.3 wants it: reversed, in floating point.
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -16,7 +14,7 @@ pub(crate) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8U
 pub(crate) const ID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 
 /// What is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// A mesh, its light computed at each pixel or at its corners.
     Mesh { pixel_lit: bool },
@@ -31,7 +29,7 @@ pub(crate) enum Kind {
 }
 
 /// Everything a pipeline depends on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Key {
     pub(crate) kind: Kind,
     pub(crate) blend: (u8, u8),
@@ -42,9 +40,35 @@ pub(crate) struct Key {
     /// Pixels may be cut away: exits before the landscape, regions of a room.
     pub(crate) cut: bool,
     pub(crate) ids: bool,
+    /// Textures repeat.
+    pub(crate) wrap: bool,
 }
 
 impl Key {
+    /// The nearest of the exits that the landscape is kept behind.
+    pub(crate) fn limit() -> Self {
+        Key {
+            test: false,
+            cull: 2,
+            ..Key::opaque(Kind::Limit)
+        }
+    }
+
+    /// A number for each key.
+    pub(crate) fn code(&self) -> u32 {
+        let kind = match self.kind {
+            Kind::Mesh { pixel_lit } => u32::from(pixel_lit),
+            Kind::Terrain { plain } => 2 + u32::from(plain),
+            Kind::Sky => 4,
+            Kind::Depth => 5,
+            Kind::Limit => 6,
+        };
+        let bits = [self.test, self.write, self.cut, self.ids, self.wrap];
+        let bits = bits.iter().fold(0, |a, &b| a << 1 | u32::from(b));
+        let blend = u32::from(self.blend.0) << 2 | u32::from(self.blend.1);
+        kind << 12 | blend << 8 | u32::from(self.cull) << 5 | bits
+    }
+
     pub(crate) fn opaque(kind: Kind) -> Self {
         Key {
             kind,
@@ -54,6 +78,7 @@ impl Key {
             cull: 0,
             cut: false,
             ids: false,
+            wrap: false,
         }
     }
 }
@@ -79,11 +104,10 @@ fn factor(code: u8) -> wgpu::BlendFactor {
 
 #[derive(Debug)]
 pub(crate) struct Pipelines {
-    all: HashMap<Key, wgpu::RenderPipeline>,
+    all: NumberMap<u32, wgpu::RenderPipeline>,
     shaders: [wgpu::ShaderModule; 4],
     layouts: [wgpu::PipelineLayout; 3],
     pub(crate) frame_layout: wgpu::BindGroupLayout,
-    pub(crate) draw_layout: wgpu::BindGroupLayout,
     samples: u32,
 }
 
@@ -103,28 +127,23 @@ impl Pipelines {
             })
         };
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let uniform = |binding, size: usize, dynamic| wgpu::BindGroupLayoutEntry {
+        let uniform = |binding, size| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: both,
             ty: wgpu::BindingType::Buffer {
                 ty: wgpu::BufferBindingType::Uniform,
-                has_dynamic_offset: dynamic,
-                min_binding_size: wgpu::BufferSize::new(size as u64),
+                has_dynamic_offset: true,
+                min_binding_size: wgpu::BufferSize::new(size),
             },
             count: None,
         };
         let frame_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("frame"),
             entries: &[
-                uniform(0, size_of::<FrameUniform>(), false),
+                uniform(0, size_of::<FrameUniform>() as u64),
                 crate::textures::texture_entry(1, wgpu::TextureViewDimension::D2, false),
-            ],
-        });
-        let draw_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("draw"),
-            entries: &[
-                uniform(0, size_of::<DrawUniform>(), true),
-                uniform(1, size_of::<LightUniform>(), true),
+                uniform(2, WINDOW),
+                uniform(3, WINDOW),
             ],
         });
         let layout = |groups: &[&wgpu::BindGroupLayout]| {
@@ -136,12 +155,12 @@ impl Pipelines {
             })
         };
         let layouts = [
-            layout(&[&frame_layout, &draw_layout, pictures]),
-            layout(&[&frame_layout, &draw_layout, ground]),
+            layout(&[&frame_layout, pictures]),
+            layout(&[&frame_layout, ground]),
             layout(&[&frame_layout]),
         ];
         Pipelines {
-            all: HashMap::new(),
+            all: NumberMap::default(),
             shaders: [
                 shader("mesh", include_str!("shaders/mesh.wgsl")),
                 shader("terrain", include_str!("shaders/terrain.wgsl")),
@@ -150,21 +169,23 @@ impl Pipelines {
             ],
             layouts,
             frame_layout,
-            draw_layout,
             samples,
         }
     }
 
-    pub(crate) fn get(&self, key: Key) -> Option<&wgpu::RenderPipeline> {
-        self.all.get(&key)
+    /// The pipeline of a code.
+    pub(crate) fn get(&self, code: u32) -> Option<&wgpu::RenderPipeline> {
+        self.all.get(&code)
     }
 
-    /// Sees to it that a pipeline is there.
-    pub(crate) fn prepare(&mut self, device: &wgpu::Device, key: Key) {
-        if !self.all.contains_key(&key) {
+    /// Sees to it that a pipeline is there. Returns its code.
+    pub(crate) fn prepare(&mut self, device: &wgpu::Device, key: Key) -> u32 {
+        let code = key.code();
+        if !self.all.contains_key(&code) {
             let made = self.make(device, key);
-            self.all.insert(key, made);
+            self.all.insert(code, made);
         }
+        code
     }
 
     fn make(&self, device: &wgpu::Device, key: Key) -> wgpu::RenderPipeline {
@@ -173,18 +194,20 @@ impl Pipelines {
             step_mode: wgpu::VertexStepMode::Vertex,
             attributes: &wgpu::vertex_attr_array![0 => Float32x4],
         };
+        // Every kind has slots of its own, so that all buffers are set once a pass.
         let (shader, layout, buffers): (usize, usize, &[Option<wgpu::VertexBufferLayout<'static>>]) =
             match key.kind {
-                Kind::Mesh { .. } => (0, 0, &[Some(meshes::CORNER_LAYOUT)]),
-                Kind::Terrain { .. } => (1, 1, &[Some(ground::CORNER_LAYOUT)]),
+                Kind::Mesh { .. } => (0, 0, &[Some(meshes::CORNER_LAYOUT), Some(INSTANCE_LAYOUT)]),
+                Kind::Terrain { .. } => (1, 1, &[None, None, Some(ground::CORNER_LAYOUT)]),
                 Kind::Sky => (2, 2, &[]),
-                Kind::Depth | Kind::Limit => (3, 2, &[Some(POINTS)]),
+                Kind::Depth | Kind::Limit => (3, 2, &[None, None, None, Some(POINTS)]),
             };
         let flag = |on: bool| if on { 1.0 } else { 0.0 };
         let cut = ("CUT", flag(key.cut));
         let mesh_constants = [
             cut,
             ("PIXEL_LIT", flag(key.kind == Kind::Mesh { pixel_lit: true })),
+            ("WRAP", flag(key.wrap)),
         ];
         let terrain_constants = [cut, ("PLAIN", flag(key.kind == Kind::Terrain { plain: true }))];
         let constants: &[(&str, f64)] = match key.kind {

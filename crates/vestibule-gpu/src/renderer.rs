@@ -1,6 +1,6 @@
 //! The renderer: uploads what a frame needs, once, and draws it.
 
-use vestibule_render::{IdImage, Image, LightDetail, RenderSettings, Scene};
+use vestibule_render::{IdImage, Image, LightDetail, LightLevels, Picture, RenderSettings, Scene, Walk};
 use vestibule_view::FrameView;
 
 use crate::collect::{Collector, FrameStats, Item, Items, Store};
@@ -8,11 +8,10 @@ use crate::device::Gpu;
 use crate::error::GpuError;
 use crate::ground::Ground;
 use crate::meshes::Meshes;
-use crate::picture::Picture;
-use crate::pipelines::{Key, Kind, Pipelines};
+use crate::pipelines::{Key, Pipelines};
 use crate::target::{Content, Target};
 use crate::textures::{Sampling, Textures};
-use crate::uniforms::FrameUniform;
+use crate::uniforms::{FrameUniform, WINDOW};
 
 /// How textures are sampled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,9 +42,9 @@ pub struct Renderer {
     textures: Textures,
     ground: Ground,
     items: Items,
-    frames: [wgpu::Buffer; 2],
     no_limit: wgpu::TextureView,
-    draw_group: Option<wgpu::BindGroup>,
+    /// Without and with a limit, and whose limit that is.
+    frame_groups: [Option<(wgpu::TextureView, wgpu::BindGroup)>; 2],
     stamp: u64,
 }
 
@@ -78,14 +77,6 @@ impl Renderer {
         let textures = Textures::new(device, sampling);
         let ground = Ground::new(device, sampling);
         let pipelines = Pipelines::new(device, &textures.layout, &ground.layout, options.samples);
-        let frame = || {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("frame"),
-                size: size_of::<FrameUniform>() as u64,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
         let no_limit = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("no limit"),
             size: wgpu::Extent3d::default(),
@@ -99,13 +90,12 @@ impl Renderer {
         Renderer {
             options,
             pipelines,
-            meshes: Meshes::default(),
+            meshes: Meshes::new(device),
             textures,
             ground,
             items: Items::new(device),
-            frames: [frame(), frame()],
             no_limit: no_limit.create_view(&wgpu::TextureViewDescriptor::default()),
-            draw_group: None,
+            frame_groups: [None, None],
             stamp: 0,
         }
     }
@@ -145,6 +135,19 @@ impl Renderer {
         picture: &Picture<'_>,
         settings: &RenderSettings,
     ) -> Result<FrameStats, GpuError> {
+        self.draw_with(gpu, target, scene, picture, settings, || {})
+    }
+
+    /// As [`Renderer::draw`]; `before_submit` is called when everything is ready to be submitted.
+    pub(crate) fn draw_with(
+        &mut self,
+        gpu: &Gpu,
+        target: &Target,
+        scene: &Scene<'_>,
+        picture: &Picture<'_>,
+        settings: &RenderSettings,
+        before_submit: impl FnOnce(),
+    ) -> Result<FrameStats, GpuError> {
         gpu.check()?;
         let size = picture.camera.viewport();
         if (size.x, size.y) != (target.width() as f32, target.height() as f32) {
@@ -155,8 +158,7 @@ impl Renderer {
         }
         self.stamp += 1;
         if self.stamp.is_multiple_of(256) {
-            self.textures.sweep(self.stamp);
-            self.meshes.sweep(self.stamp);
+            self.meshes.sweep(&mut self.textures, self.stamp);
             self.ground.sweep(self.stamp);
         }
         let ids = target.content == Content::Ids;
@@ -167,27 +169,37 @@ impl Renderer {
             meshes: &mut self.meshes,
             textures: &mut self.textures,
             ground: &mut self.ground,
+            pipelines: &mut self.pipelines,
             stamp: self.stamp,
         };
-        let mut collector = Collector::new(scene, settings, picture, &mut self.items, store, ids);
-        collector.run(picture);
-        let levels = collector.levels(&day);
-        let stats = collector.stats;
+        let mut walk = Walk::new(scene, settings, picture);
+        if ids {
+            walk = walk.unlit();
+        }
+        let viewer = walk.viewer_lamp();
+        let mut collector = Collector::new(scene, settings, picture.camera, &mut self.items, store, ids);
+        let met = walk.run(&mut collector);
+        collector.finish();
+        collector.prepare_limits();
+        let stats = FrameStats {
+            missing: met.missing,
+            confined: met.confined,
+            ..collector.stats
+        };
         let frame = FrameUniform::new(
             picture.camera,
             &day,
-            &levels,
+            &LightLevels::new(&day, picture.sealed, settings.light),
             day.fog.filter(|_| settings.fog && !picture.sealed),
+            viewer,
             settings.light == LightDetail::PerPixel,
             self.options.filtering == Filtering::Reference,
         );
-        gpu.queue
-            .write_buffer(&self.frames[0], 0, bytemuck::bytes_of(&frame));
-        let behind = frame.behind_exits();
-        gpu.queue
-            .write_buffer(&self.frames[1], 0, bytemuck::bytes_of(&behind));
-        self.upload(gpu);
-        self.make_pipelines(gpu, ids);
+        let places = &self.ground.places;
+        if self.items.send(&gpu.device, &gpu.queue, &frame, places) {
+            self.frame_groups = [None, None];
+        }
+        self.bind(gpu, target);
         let clear = if picture.sealed {
             glam::Vec3::ZERO
         } else {
@@ -207,8 +219,10 @@ impl Renderer {
         let mut encoder = gpu
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
-        self.encode(gpu, &mut encoder, target, clear);
-        gpu.queue.submit([encoder.finish()]);
+        self.encode(&mut encoder, target, clear);
+        let commands = encoder.finish();
+        before_submit();
+        gpu.queue.submit([commands]);
         Ok(stats)
     }
 
@@ -254,100 +268,49 @@ impl Renderer {
         target.id_image(gpu)
     }
 
-    fn upload(&mut self, gpu: &Gpu) {
-        let items = &mut self.items;
-        let draws = items.draws.upload(&gpu.device, &gpu.queue);
-        let lights = items.lights.upload(&gpu.device, &gpu.queue);
-        items.points.upload(&gpu.device, &gpu.queue);
-        if draws || lights || self.draw_group.is_none() {
-            let binding = |buffer, size: usize| {
-                wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer,
-                    offset: 0,
-                    size: wgpu::BufferSize::new(size as u64),
-                })
-            };
-            self.draw_group = Some(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("draw"),
-                layout: &self.pipelines.draw_layout,
+    /// Sees to it that the frame's bindings are there.
+    fn bind(&mut self, gpu: &Gpu, target: &Target) {
+        let wanted = [
+            Some(&self.no_limit),
+            (self.items.limits.1 > 0).then_some(&target.limit),
+        ];
+        let buffer = |size| {
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: &self.items.stream.buffer,
+                offset: 0,
+                size: wgpu::BufferSize::new(size),
+            })
+        };
+        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        for (slot, limit) in self.frame_groups.iter_mut().zip(wanted) {
+            let Some(limit) = limit else { continue };
+            if slot.as_ref().is_some_and(|(bound, _)| bound == limit) {
+                continue;
+            }
+            let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("frame"),
+                layout: &self.pipelines.frame_layout,
                 entries: &[
-                    wgpu::BindGroupEntry {
-                        binding: 0,
-                        resource: binding(&items.draws.buffer, size_of::<crate::uniforms::DrawUniform>()),
-                    },
-                    wgpu::BindGroupEntry {
-                        binding: 1,
-                        resource: binding(&items.lights.buffer, size_of::<crate::uniforms::LightUniform>()),
-                    },
+                    entry(0, buffer(size_of::<FrameUniform>() as u64)),
+                    entry(1, wgpu::BindingResource::TextureView(limit)),
+                    entry(2, buffer(WINDOW)),
+                    entry(3, buffer(WINDOW)),
                 ],
-            }));
+            });
+            *slot = Some((limit.clone(), group));
         }
     }
 
-    fn sky_key(ids: bool) -> Key {
-        Key {
-            test: false,
-            write: false,
-            cull: 2,
-            ids,
-            ..Key::opaque(Kind::Sky)
-        }
-    }
-
-    fn depth_key(kind: Kind, ids: bool) -> Key {
-        Key {
-            test: false,
-            cull: 2,
-            ids,
-            ..Key::opaque(kind)
-        }
-    }
-
-    fn make_pipelines(&mut self, gpu: &Gpu, ids: bool) {
-        if self.items.limits.1 > 0 {
-            self.pipelines
-                .prepare(&gpu.device, Self::depth_key(Kind::Limit, false));
-        }
-        for item in &self.items.list {
-            let key = match item {
-                Item::Mesh(m) => m.key,
-                Item::Terrain { key, .. } => *key,
-                Item::Sky(_) => Self::sky_key(ids),
-                Item::Depth { .. } => Self::depth_key(Kind::Depth, ids),
-                Item::ClearDepth => continue,
-            };
-            self.pipelines.prepare(&gpu.device, key);
-        }
-    }
-
-    fn frame_group(&self, gpu: &Gpu, index: usize, limit: &wgpu::TextureView) -> wgpu::BindGroup {
-        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("frame"),
-            layout: &self.pipelines.frame_layout,
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: self.frames[index].as_entire_binding(),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::TextureView(limit),
-                },
-            ],
-        })
-    }
-
-    fn encode(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, target: &Target, clear: wgpu::Color) {
-        let ids = target.content == Content::Ids;
-        let plain = self.frame_group(gpu, 0, &self.no_limit);
-        let limited = (self.items.limits.1 > 0).then(|| self.frame_group(gpu, 1, &target.limit));
-        if self.items.limits.1 > 0 {
+    fn encode(&self, encoder: &mut wgpu::CommandEncoder, target: &Target, clear: wgpu::Color) {
+        let limited = self.items.limits.1 > 0;
+        if limited {
             let mut pass = begin(encoder, None, &target.limit, None);
-            if let Some(pipeline) = self.pipelines.get(Self::depth_key(Kind::Limit, false)) {
+            if let Some(pipeline) = self.pipelines.get(Key::limit().code()) {
                 let (first, count) = self.items.limits;
                 pass.set_pipeline(pipeline);
-                pass.set_bind_group(0, &plain, &[]);
-                pass.set_vertex_buffer(0, self.items.points.buffer.slice(..));
+                self.set_frame(&mut pass, false, 0);
+                let stream = &self.items.stream;
+                pass.set_vertex_buffer(3, stream.buffer.slice(u64::from(stream.points)..));
                 pass.draw(first..first + count, 0..1);
             }
         }
@@ -376,12 +339,7 @@ impl Renderer {
                 },
             };
             let mut pass = begin(encoder, Some(color), &target.depth, None);
-            let group = if first_pass {
-                limited.as_ref().unwrap_or(&plain)
-            } else {
-                &plain
-            };
-            self.encode_items(&mut pass, now, group, target, ids);
+            self.encode_items(&mut pass, now, first_pass && limited, target);
             drop(pass);
             first_pass = false;
             if later.is_empty() {
@@ -392,88 +350,134 @@ impl Renderer {
         }
     }
 
-    fn encode_items(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        items: &[Item],
-        frame: &wgpu::BindGroup,
-        target: &Target,
-        ids: bool,
-    ) {
-        let Some(draw_group) = &self.draw_group else {
+    /// Binds the frame and a window of its lists.
+    fn set_frame(&self, pass: &mut wgpu::RenderPass<'_>, limited: bool, window: u16) {
+        let stream = &self.items.stream;
+        let lists = stream.windows.get(usize::from(window)).copied().unwrap_or(0);
+        let offsets = [stream.frames[usize::from(limited)], lists, stream.lands];
+        if let Some((_, group)) = &self.frame_groups[usize::from(limited)] {
+            pass.set_bind_group(0, group, &offsets);
+        }
+    }
+
+    fn encode_items(&self, pass: &mut wgpu::RenderPass<'_>, items: &[Item], limited: bool, target: &Target) {
+        if items.is_empty() {
             return;
-        };
-        let whole = [0, target.width(), 0, target.height()];
-        pass.set_bind_group(0, frame, &[]);
-        // What is set is not set again.
-        let mut key: Option<Key> = None;
-        let mut mesh: Option<usize> = None;
-        let mut texture: Option<(usize, bool)> = None;
+        }
+        let stream = &self.items.stream;
+        pass.set_vertex_buffer(0, self.meshes.corners.buffer.slice(..));
+        pass.set_vertex_buffer(1, stream.buffer.slice(u64::from(stream.instances)..));
+        pass.set_vertex_buffer(2, self.ground.corners.buffer.slice(..));
+        pass.set_vertex_buffer(3, stream.buffer.slice(u64::from(stream.points)..));
+        let mut state = State::default();
+        let mut bound = 0;
+        self.set_frame(pass, limited, 0);
         for item in items {
-            let wanted = match item {
-                Item::Mesh(m) => m.key,
-                Item::Terrain { key, .. } => *key,
-                Item::Sky(_) => Self::sky_key(ids),
-                Item::Depth { .. } => Self::depth_key(Kind::Depth, ids),
-                Item::ClearDepth => continue,
-            };
-            if key != Some(wanted) {
-                let Some(pipeline) = self.pipelines.get(wanted) else {
-                    continue;
-                };
-                pass.set_pipeline(pipeline);
-                key = Some(wanted);
-            }
-            match item {
-                Item::Mesh(m) => {
-                    let (Some(found), Some(group)) =
-                        (self.meshes.mesh(m.mesh), self.textures.group(m.texture, m.wrap))
-                    else {
-                        continue;
-                    };
-                    if mesh != Some(m.mesh) {
-                        pass.set_vertex_buffer(0, found.vertices.slice(..));
-                        pass.set_index_buffer(found.indices.slice(..), wgpu::IndexFormat::Uint32);
-                        mesh = Some(m.mesh);
-                    }
-                    pass.set_bind_group(1, draw_group, &[m.draw, m.lights]);
-                    if texture != Some((m.texture, m.wrap)) {
-                        pass.set_bind_group(2, group, &[]);
-                        texture = Some((m.texture, m.wrap));
-                    }
-                    pass.draw_indexed(m.first..m.first + m.count, 0, 0..1);
-                }
-                Item::Terrain {
-                    land, ranges, draw, ..
+            match *item {
+                Item::Mesh {
+                    pipeline,
+                    array,
+                    window,
+                    indices: (first, count),
+                    instances: (from, to),
                 } => {
-                    let (Some(found), Some(group)) = (self.ground.land(*land), self.ground.group()) else {
+                    if !self.pipeline(pass, &mut state, pipeline) {
+                        continue;
+                    }
+                    if let Some(window) = window.filter(|&w| w != bound) {
+                        self.set_frame(pass, limited, window);
+                        bound = window;
+                    }
+                    if state.group != Some(Group::Pictures(array)) {
+                        let Some(group) = self.textures.group(array) else {
+                            continue;
+                        };
+                        pass.set_bind_group(1, group, &[]);
+                        state.group = Some(Group::Pictures(array));
+                    }
+                    if state.indices != Some(Indices::Meshes) {
+                        let indices = self.meshes.indices.buffer.slice(..);
+                        pass.set_index_buffer(indices, wgpu::IndexFormat::Uint32);
+                        state.indices = Some(Indices::Meshes);
+                    }
+                    pass.draw_indexed(first..first + count, 0, from..to);
+                }
+                Item::Ground {
+                    pipeline,
+                    indices: (first, count),
+                } => {
+                    let Some(group) = self.ground.group() else {
                         continue;
                     };
-                    pass.set_vertex_buffer(0, found.vertices.slice(..));
-                    pass.set_bind_group(1, draw_group, &[*draw, 0]);
-                    pass.set_bind_group(2, group, &[]);
-                    (mesh, texture) = (None, None);
-                    let (first, end) = (ranges.0 as usize, ranges.1 as usize);
-                    for &(from, to) in self.items.ranges.get(first..end).unwrap_or(&[]) {
-                        pass.draw(from..to, 0..1);
+                    if !self.pipeline(pass, &mut state, pipeline) {
+                        continue;
                     }
+                    if state.group != Some(Group::Ground) {
+                        pass.set_bind_group(1, group, &[]);
+                        state.group = Some(Group::Ground);
+                    }
+                    if state.indices != Some(Indices::Ground) {
+                        let indices = self.items.ground_indices.buffer.slice(..);
+                        pass.set_index_buffer(indices, wgpu::IndexFormat::Uint32);
+                        state.indices = Some(Indices::Ground);
+                    }
+                    pass.draw_indexed(first..first + count, 0, 0..1);
                 }
-                Item::Sky([x0, x1, y0, y1]) => {
-                    if x0 < x1 && y0 < y1 {
-                        pass.set_scissor_rect(*x0, *y0, x1 - x0, y1 - y0);
+                Item::Sky {
+                    pipeline,
+                    bounds: [x0, x1, y0, y1],
+                } => {
+                    if x0 < x1 && y0 < y1 && self.pipeline(pass, &mut state, pipeline) {
+                        pass.set_scissor_rect(x0, y0, x1 - x0, y1 - y0);
                         pass.draw(0..3, 0..1);
-                        pass.set_scissor_rect(whole[0], whole[2], whole[1], whole[3]);
+                        pass.set_scissor_rect(0, 0, target.width(), target.height());
                     }
                 }
-                Item::Depth { first, count } => {
-                    pass.set_vertex_buffer(0, self.items.points.buffer.slice(..));
-                    mesh = None;
-                    pass.draw(*first..first + count, 0..1);
+                Item::Depth {
+                    pipeline,
+                    points: (first, count),
+                } => {
+                    if self.pipeline(pass, &mut state, pipeline) {
+                        pass.draw(first..first + count, 0..1);
+                    }
                 }
                 Item::ClearDepth => {}
             }
         }
     }
+
+    /// Sets a pipeline that is not set; returns whether it is now.
+    fn pipeline(&self, pass: &mut wgpu::RenderPass<'_>, state: &mut State, code: u32) -> bool {
+        if state.pipeline == Some(code) {
+            return true;
+        }
+        let Some(pipeline) = self.pipelines.get(code) else {
+            return false;
+        };
+        pass.set_pipeline(pipeline);
+        state.pipeline = Some(code);
+        true
+    }
+}
+
+/// What is set in a pass, which is not set again.
+#[derive(Clone, Copy, Debug, Default)]
+struct State {
+    pipeline: Option<u32>,
+    group: Option<Group>,
+    indices: Option<Indices>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Group {
+    Pictures(u16),
+    Ground,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Indices {
+    Meshes,
+    Ground,
 }
 
 /// A pass that clears depth to the farthest there is.

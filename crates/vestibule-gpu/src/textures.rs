@@ -1,44 +1,68 @@
 //! Textures on the GPU, uploaded once and dropped when nothing draws them any more.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
-use vestibule_render::{Level, Texture};
+use vestibule_render::{Level, NumberMap, Texture};
 
-/// A texture with its two ways of addressing.
+/// Where a texture is: an array, and a layer of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Slot {
+    pub(crate) array: u16,
+    pub(crate) layer: u16,
+}
+
 #[derive(Debug)]
-pub(crate) struct GpuTexture {
+struct Held {
     // Keeps the address that is its key from being used again.
+    #[allow(dead_code, reason = "held, not read")]
     source: Arc<Texture>,
-    pub(crate) clamped: wgpu::BindGroup,
-    pub(crate) repeated: wgpu::BindGroup,
-    used: u64,
+    slot: Slot,
+    /// Batches of meshes that are painted with it.
+    users: u32,
     bytes: u64,
 }
 
-/// Textures by the address of their source.
+/// Textures of one size.
+#[derive(Debug)]
+struct Array {
+    /// Width, height, mip levels.
+    size: (u32, u32, u32),
+    texture: wgpu::Texture,
+    group: wgpu::BindGroup,
+    /// Layers that are in use.
+    taken: Vec<bool>,
+}
+
+/// Textures by the address of their source, in arrays of equal ones so that few draws need another binding.
 #[derive(Debug)]
 pub(crate) struct Textures {
-    all: HashMap<usize, GpuTexture>,
+    all: NumberMap<usize, Held>,
+    arrays: Vec<Array>,
     pub(crate) layout: wgpu::BindGroupLayout,
     samplers: [wgpu::Sampler; 2],
     longest: u32,
+    deepest: u32,
     pub(crate) bytes: u64,
 }
 
-/// Textures and meshes that were not drawn in this many frames are dropped.
+/// Meshes and ground that were not drawn in this many frames are dropped.
 pub(crate) const KEPT_FRAMES: u64 = 900;
+/// Layers of an array that is made; one alone would be no array in WebGL2.
+const FIRST_LAYERS: u32 = 4;
 
 impl Textures {
     pub(crate) fn new(device: &wgpu::Device, sampling: Sampling) -> Self {
+        let limits = device.limits();
         Textures {
-            all: HashMap::new(),
+            all: NumberMap::default(),
+            arrays: Vec::new(),
             layout: layout(device),
             samplers: [
                 sampler(device, wgpu::AddressMode::ClampToEdge, sampling),
                 sampler(device, wgpu::AddressMode::Repeat, sampling),
             ],
-            longest: device.limits().max_texture_dimension_2d,
+            longest: limits.max_texture_dimension_2d,
+            deepest: limits.max_texture_array_layers.min(256),
             bytes: 0,
         }
     }
@@ -47,79 +71,168 @@ impl Textures {
         self.all.len()
     }
 
-    /// The key of a texture that is uploaded if it is not there yet.
-    pub(crate) fn get(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        source: &Arc<Texture>,
-        frame: u64,
-    ) -> usize {
+    /// Where a texture is, which is uploaded if it is not there yet. It stays until it was released as often as this
+    /// was called.
+    pub(crate) fn get(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, source: &Arc<Texture>) -> Slot {
         let key = Arc::as_ptr(source) as usize;
         if let Some(found) = self.all.get_mut(&key) {
-            found.used = frame;
-            return key;
+            found.users += 1;
+            return found.slot;
         }
         let levels = fitting(source.levels(), self.longest);
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("picture"),
-            size: extent(&levels[0], 1),
-            mip_level_count: levels.len() as u32,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8Unorm,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
-        for (k, level) in levels.iter().enumerate() {
-            write(queue, &texture, k as u32, 0, level);
+        let slot = self.room(device, queue, &levels[0], levels.len() as u32);
+        if let Some(array) = self.arrays.get(usize::from(slot.array)) {
+            for (k, level) in levels.iter().enumerate() {
+                write(queue, &array.texture, k as u32, u32::from(slot.layer), level);
+            }
         }
-        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let group = |sampler: &wgpu::Sampler| {
-            device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("picture"),
-                layout: &self.layout,
-                entries: &[
-                    wgpu::BindGroupEntry {
-                        binding: 0,
-                        resource: wgpu::BindingResource::TextureView(&view),
-                    },
-                    wgpu::BindGroupEntry {
-                        binding: 1,
-                        resource: wgpu::BindingResource::Sampler(sampler),
-                    },
-                ],
-            })
-        };
         let bytes = levels.iter().map(|l| l.pixels.len() as u64 * 4).sum();
         self.bytes += bytes;
-        let made = GpuTexture {
+        let made = Held {
             source: source.clone(),
-            clamped: group(&self.samplers[0]),
-            repeated: group(&self.samplers[1]),
-            used: frame,
+            slot,
+            users: 1,
             bytes,
         };
         self.all.insert(key, made);
-        key
+        slot
     }
 
-    pub(crate) fn group(&self, key: usize, wrap: bool) -> Option<&wgpu::BindGroup> {
-        let found = self.all.get(&key)?;
-        Some(if wrap { &found.repeated } else { &found.clamped })
+    /// Undoes one [`Textures::get`].
+    pub(crate) fn release(&mut self, source: &Arc<Texture>) {
+        let key = Arc::as_ptr(source) as usize;
+        let Some(found) = self.all.get_mut(&key) else {
+            return;
+        };
+        found.users -= 1;
+        if found.users > 0 {
+            return;
+        }
+        self.bytes -= found.bytes;
+        let slot = found.slot;
+        self.all.remove(&key);
+        if let Some(array) = self.arrays.get_mut(usize::from(slot.array)) {
+            array.taken[usize::from(slot.layer)] = false;
+        }
     }
 
-    /// Drops what was not drawn for long, or what nobody else holds any more.
-    pub(crate) fn sweep(&mut self, frame: u64) {
-        let bytes = &mut self.bytes;
-        self.all.retain(|_, t| {
-            let keep = Arc::strong_count(&t.source) > 1 && frame.saturating_sub(t.used) < KEPT_FRAMES;
-            if !keep {
-                *bytes -= t.bytes;
+    pub(crate) fn group(&self, array: u16) -> Option<&wgpu::BindGroup> {
+        self.arrays.get(usize::from(array)).map(|a| &a.group)
+    }
+
+    /// A layer for a texture of this size.
+    fn room(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, level: &Level, mips: u32) -> Slot {
+        let size = (level.width, level.height, mips);
+        let deepest = self.deepest as usize;
+        let free = |a: &Array| a.taken.iter().position(|t| !t);
+        let mut found = None;
+        for (k, array) in self.arrays.iter().enumerate().filter(|(_, a)| a.size == size) {
+            if let Some(layer) = free(array) {
+                found = Some((k, layer));
+                break;
             }
-            keep
-        });
+            if array.taken.len() < deepest {
+                found = Some((k, array.taken.len()));
+            }
+        }
+        let (k, layer) = found.unwrap_or((self.arrays.len(), 0));
+        if k == self.arrays.len() {
+            let texture = array_texture(device, size, FIRST_LAYERS);
+            let made = Array {
+                size,
+                group: self.bind(device, &texture),
+                texture,
+                taken: vec![false; FIRST_LAYERS as usize],
+            };
+            self.arrays.push(made);
+        } else if layer == self.arrays[k].taken.len() {
+            let layers = (2 * layer).min(deepest);
+            let texture = array_texture(device, size, layers as u32);
+            copy(
+                device,
+                queue,
+                &self.arrays[k].texture,
+                &texture,
+                size,
+                layer as u32,
+            );
+            let group = self.bind(device, &texture);
+            let array = &mut self.arrays[k];
+            (array.texture, array.group) = (texture, group);
+            array.taken.resize(layers, false);
+        }
+        self.arrays[k].taken[layer] = true;
+        Slot {
+            array: k as u16,
+            layer: layer as u16,
+        }
     }
+
+    fn bind(&self, device: &wgpu::Device, texture: &wgpu::Texture) -> wgpu::BindGroup {
+        let view = texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("pictures"),
+            layout: &self.layout,
+            entries: &[
+                entry(0, wgpu::BindingResource::TextureView(&view)),
+                entry(1, wgpu::BindingResource::Sampler(&self.samplers[0])),
+                entry(2, wgpu::BindingResource::Sampler(&self.samplers[1])),
+            ],
+        })
+    }
+}
+
+fn array_texture(
+    device: &wgpu::Device,
+    (width, height, mips): (u32, u32, u32),
+    layers: u32,
+) -> wgpu::Texture {
+    use wgpu::TextureUsages as Usage;
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("pictures"),
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: layers,
+        },
+        mip_level_count: mips,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: Usage::TEXTURE_BINDING | Usage::COPY_DST | Usage::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
+/// Copies the first layers of an array into a larger one.
+fn copy(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    from: &wgpu::Texture,
+    to: &wgpu::Texture,
+    (width, height, mips): (u32, u32, u32),
+    layers: u32,
+) {
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    for mip_level in 0..mips {
+        let part = |texture| wgpu::TexelCopyTextureInfo {
+            texture,
+            mip_level,
+            origin: wgpu::Origin3d::ZERO,
+            aspect: wgpu::TextureAspect::All,
+        };
+        let size = wgpu::Extent3d {
+            width: (width >> mip_level).max(1),
+            height: (height >> mip_level).max(1),
+            depth_or_array_layers: layers,
+        };
+        encoder.copy_texture_to_texture(part(from), part(to), size);
+    }
+    queue.submit([encoder.finish()]);
 }
 
 /// The levels whose sides the adapter can hold; at least one.
@@ -193,8 +306,9 @@ fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("picture"),
         entries: &[
-            texture_entry(0, wgpu::TextureViewDimension::D2, true),
+            texture_entry(0, wgpu::TextureViewDimension::D2Array, true),
             sampler_entry(1),
+            sampler_entry(2),
         ],
     })
 }

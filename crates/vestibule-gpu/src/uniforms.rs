@@ -2,15 +2,18 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
-use vestibule_render::{Daylight, Fog, Lamp, LightLevels, MAX_SHELL_LAMPS};
+use vestibule_render::{Daylight, EyeFrame, Fog, Lamp, LightLevels, MAX_SHELL_LAMPS, NumberMap};
 use vestibule_view::Camera;
+use vestibule_world::CellId;
 
-use crate::place::EyeFrame;
-
-/// Distance of entries in the buffers of draws; the alignment that every adapter allows.
-pub(crate) const ALIGNMENT: u64 = 256;
+/// Where what is bound in a buffer may begin; the alignment that every adapter allows.
+const ALIGNMENT: usize = 256;
+/// Bytes that shaders see at once of lists: what every adapter allows.
+pub(crate) const WINDOW: u64 = 16384;
+/// Vectors of a window.
+const WINDOW_VECTORS: usize = 1024;
 /// Planes of one region at most.
-pub(crate) const MAX_PLANES: usize = 32;
+const MAX_PLANES: usize = 32;
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -31,6 +34,7 @@ pub(crate) struct FrameUniform {
     zenith: [f32; 4],
     sky_sun: [f32; 4],
     flags: [u32; 4],
+    viewer: [[f32; 4]; 2],
 }
 
 fn vec4(v: Vec3, w: f32) -> [f32; 4] {
@@ -45,6 +49,7 @@ impl FrameUniform {
         day: &Daylight,
         levels: &LightLevels,
         fog: Option<Fog>,
+        viewer: Option<Lamp>,
         soft: bool,
         reference: bool,
     ) -> Self {
@@ -68,7 +73,13 @@ impl FrameUniform {
             horizon: vec4(day.horizon, 0.0),
             zenith: vec4(day.zenith, 0.0),
             sky_sun: vec4(day.sun, 0.0),
-            flags: [u32::from(soft), u32::from(reference), 0, 0],
+            flags: [
+                u32::from(soft),
+                u32::from(reference),
+                0,
+                u32::from(viewer.is_some()),
+            ],
+            viewer: viewer.map_or([[0.0; 4]; 2], |l| lamp(&l)),
         }
     }
 
@@ -89,110 +100,221 @@ pub(crate) enum LightKind {
 }
 
 /// Its colour is fogged.
-pub(crate) const FOGGED: u32 = 1;
+pub(crate) const FOGGED: u32 = 1 << 2;
 /// The alpha of the texture counts.
-pub(crate) const ALPHA: u32 = 2;
+pub(crate) const ALPHA: u32 = 1 << 3;
+/// The item of its ids is the polygon's.
+pub(crate) const BY_POLYGON: u32 = 1 << 4;
 
+/// A mesh being drawn, as `shaders/mesh.wgsl` reads it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct DrawUniform {
+pub(crate) struct Instance {
     pub(crate) rows: [[f32; 4]; 3],
     /// Luminosity, diffuse, least alpha, opacity.
     pub(crate) material: [f32; 4],
-    /// Kind of light, flags, lamps, unused.
+    /// Kind of light and flags, number of lamps, layer of the texture, number of planes: a byte each; first lamp and
+    /// first plane in the window, 16 bits each; the lamps of an object, a byte each from the first.
     pub(crate) how: [u32; 4],
-    pub(crate) picks: [u32; 8],
-    /// Cell, code and item, 1 when the polygon is the item.
-    pub(crate) id: [u32; 4],
-    unused: [u32; 32],
+    /// Cell, code and item.
+    pub(crate) id: [u32; 2],
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct LightUniform {
-    counts: [u32; 4],
-    viewer: [[f32; 4]; 2],
-    lamps: [[f32; 4]; 2 * MAX_SHELL_LAMPS],
-    planes: [[f32; 4]; MAX_PLANES],
-    unused: [[f32; 4]; 13],
-}
-
-const _: () = assert!(size_of::<DrawUniform>() as u64 == ALIGNMENT);
-const _: () = assert!(size_of::<LightUniform>() == 2048);
+pub(crate) const INSTANCE_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+    array_stride: size_of::<Instance>() as u64,
+    step_mode: wgpu::VertexStepMode::Instance,
+    attributes: &wgpu::vertex_attr_array![
+        4 => Float32x4, 5 => Float32x4, 6 => Float32x4, 7 => Float32x4, 8 => Uint32x4, 9 => Uint32x2
+    ],
+};
 
 fn lamp(l: &Lamp) -> [[f32; 4]; 2] {
     [vec4(l.position, l.falloff), vec4(l.color, l.intensity)]
 }
 
-impl LightUniform {
-    /// Lamps, the viewer's lamp and the planes of a region, camera axes. What is too much is left out.
-    pub(crate) fn new(lamps: &[Lamp], viewer: Option<&Lamp>, planes: &[Vec4]) -> Self {
-        let mut out = LightUniform::zeroed();
-        for (slot, l) in out.lamps.chunks_exact_mut(2).zip(lamps) {
-            slot.copy_from_slice(&lamp(l));
+/// A part of the list of lamps and planes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Part {
+    /// Of the windows.
+    pub(crate) window: u16,
+    /// First vector in the window.
+    pub(crate) first: u16,
+    /// Lamps or planes.
+    pub(crate) count: u16,
+}
+
+/// The lamps and planes of a frame, in windows that shaders see one at a time.
+#[derive(Debug, Default)]
+pub(crate) struct Lists {
+    vectors: Vec<[f32; 4]>,
+    /// First vector of each window.
+    windows: Vec<usize>,
+    shared: NumberMap<u32, Part>,
+}
+
+impl Lists {
+    pub(crate) fn clear(&mut self) {
+        self.vectors.clear();
+        self.windows.clear();
+        self.windows.push(0);
+        self.shared.clear();
+    }
+
+    /// Sees to it that so many vectors fit into the window.
+    fn reserve(&mut self, vectors: usize) {
+        let first = self.windows.last().copied().unwrap_or(0);
+        if self.vectors.len() - first + vectors > WINDOW_VECTORS {
+            let step = ALIGNMENT / size_of::<[f32; 4]>();
+            self.vectors
+                .resize(self.vectors.len().next_multiple_of(step), [0.0; 4]);
+            self.windows.push(self.vectors.len());
+            self.shared.clear();
         }
-        for (slot, p) in out.planes.iter_mut().zip(planes) {
-            *slot = p.to_array();
+    }
+
+    fn part(&self, count: usize) -> Part {
+        let first = self.windows.last().copied().unwrap_or(0);
+        Part {
+            window: self.windows.len().saturating_sub(1) as u16,
+            first: (self.vectors.len() - first) as u16,
+            count: count as u16,
         }
-        if let Some(l) = viewer {
-            out.viewer = lamp(l);
+    }
+
+    /// The lamps of a cell, camera axes, what is too many left out, and planes.
+    pub(crate) fn add(&mut self, cell: CellId, lamps: &[Lamp], planes: &[Vec4]) -> (Part, Part) {
+        let lamps = &lamps[..lamps.len().min(MAX_SHELL_LAMPS)];
+        let planes = &planes[..planes.len().min(MAX_PLANES)];
+        if planes.is_empty()
+            && let Some(&found) = self.shared.get(&cell.0)
+        {
+            return (found, Part::default());
         }
-        out.counts = [
-            lamps.len().min(MAX_SHELL_LAMPS) as u32,
-            u32::from(viewer.is_some()),
-            planes.len().min(MAX_PLANES) as u32,
-            0,
-        ];
-        out
+        self.reserve(2 * lamps.len() + planes.len());
+        let lamp_part = self.part(lamps.len());
+        for l in lamps {
+            self.vectors.extend(lamp(l));
+        }
+        let plane_part = self.part(planes.len());
+        self.vectors.extend(planes.iter().map(Vec4::to_array));
+        self.shared.insert(cell.0, lamp_part);
+        (lamp_part, plane_part)
     }
 }
 
-/// A buffer that is filled anew in every frame and grows when it must.
+/// Everything that changes from frame to frame but indices, in one buffer that is sent at once and grows when it must.
 #[derive(Debug)]
 pub(crate) struct Stream {
-    label: &'static str,
-    usage: wgpu::BufferUsages,
     pub(crate) buffer: wgpu::Buffer,
-    pub(crate) bytes: Vec<u8>,
+    bytes: Vec<u8>,
+    /// Where the frame's uniforms begin: as they are, and for what is kept behind exits.
+    pub(crate) frames: [u32; 2],
+    /// Where the places of landblocks begin.
+    pub(crate) lands: u32,
+    /// Where each window begins.
+    pub(crate) windows: Vec<u32>,
+    /// Where instances, and the corners of punches and seals, begin.
+    pub(crate) instances: u32,
+    pub(crate) points: u32,
+}
+
+/// What a frame sends.
+pub(crate) struct Sent<'s> {
+    pub(crate) frame: &'s FrameUniform,
+    pub(crate) lists: &'s Lists,
+    pub(crate) instances: &'s [Instance],
+    pub(crate) points: &'s [[f32; 4]],
+    pub(crate) lands: &'s [[f32; 4]],
 }
 
 impl Stream {
-    pub(crate) fn new(device: &wgpu::Device, label: &'static str, usage: wgpu::BufferUsages) -> Self {
-        let usage = usage | wgpu::BufferUsages::COPY_DST;
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
         Stream {
-            label,
-            usage,
-            buffer: buffer(device, label, usage, 1 << 16),
+            buffer: stream(device, 1 << 18),
             bytes: Vec::new(),
+            frames: [0; 2],
+            lands: 0,
+            windows: Vec::new(),
+            instances: 0,
+            points: 0,
         }
     }
 
-    /// Adds a value; returns where it begins.
-    pub(crate) fn push<T: Pod>(&mut self, value: &T) -> u32 {
-        let at = self.bytes.len() as u32;
-        self.bytes.extend_from_slice(bytemuck::bytes_of(value));
+    fn align(&mut self) -> u32 {
+        self.bytes.resize(self.bytes.len().next_multiple_of(ALIGNMENT), 0);
+        self.bytes.len() as u32
+    }
+
+    fn push<T: Pod>(&mut self, values: &[T]) -> u32 {
+        let at = self.align();
+        self.bytes.extend_from_slice(bytemuck::cast_slice(values));
         at
     }
 
-    /// Sends what was added. Returns whether the buffer is another one now.
-    pub(crate) fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> bool {
-        let needed = self.bytes.len() as u64;
+    /// Sends a frame. Returns whether the buffer is another one now.
+    pub(crate) fn send(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, sent: &Sent<'_>) -> bool {
+        self.bytes.clear();
+        self.frames[0] = self.push(&[*sent.frame]);
+        self.frames[1] = self.push(&[sent.frame.behind_exits()]);
+        self.instances = self.push(sent.instances);
+        self.points = self.push(sent.points);
+        let lists = self.push(&sent.lists.vectors);
+        let bytes = size_of::<[f32; 4]>() as u32;
+        self.windows.clear();
+        self.windows
+            .extend(sent.lists.windows.iter().map(|&w| lists + w as u32 * bytes));
+        self.lands = self.push(sent.lands);
+        // Shaders see whole windows.
+        let needed = u64::from(self.align()) + WINDOW;
         let grow = needed > self.buffer.size();
         if grow {
-            self.buffer = buffer(device, self.label, self.usage, needed.next_power_of_two());
+            self.buffer = stream(device, needed.next_power_of_two());
         }
-        if needed > 0 {
-            queue.write_buffer(&self.buffer, 0, &self.bytes);
-        }
+        queue.write_buffer(&self.buffer, 0, &self.bytes);
         grow
     }
 }
 
-fn buffer(device: &wgpu::Device, label: &str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
+fn stream(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
+        label: Some("frame"),
         size,
-        usage,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+/// The indices of the ground of a frame.
+#[derive(Debug)]
+pub(crate) struct IndexStream {
+    pub(crate) buffer: wgpu::Buffer,
+    pub(crate) indices: Vec<u32>,
+}
+
+impl IndexStream {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
+        IndexStream {
+            buffer: index_stream(device, 1 << 16),
+            indices: Vec::new(),
+        }
+    }
+
+    pub(crate) fn send(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) {
+        let bytes: &[u8] = bytemuck::cast_slice(&self.indices);
+        if bytes.len() as u64 > self.buffer.size() {
+            self.buffer = index_stream(device, (bytes.len() as u64).next_power_of_two());
+        }
+        if !bytes.is_empty() {
+            queue.write_buffer(&self.buffer, 0, bytes);
+        }
+    }
+}
+
+fn index_stream(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("ground"),
+        size,
+        usage: wgpu::BufferUsages::INDEX | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
 }

@@ -10,13 +10,16 @@ use crate::population::{BodyId, Population};
 use crate::sweep::{Scratch, place};
 
 /// How `SetPosition` ended (`transition.md` 2.1).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SetPositionError {
     /// Something was run into at the place.
+    #[error("something is in the way at the place")]
     Collided,
     /// The place is taken, or the body would have been pushed away from it.
+    #[error("the place is taken, or the body does not fit there")]
     NoValidPosition,
     /// The place is in no cell.
+    #[error("the place is in no cell")]
     NoCell,
 }
 

@@ -1,6 +1,5 @@
 //! Meshes, materials, textures and lights of a world, made from its records once and shared (`rendering.md` 14, 15).
 
-use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::Vec3;
@@ -12,6 +11,7 @@ use vestibule_world::{EnvCell, Model, Store, World};
 
 use crate::material::Material;
 use crate::mesh::{Mesh, MeshInput};
+use crate::number_map::NumberMap;
 use crate::sky::SkyTable;
 use crate::terrain_paint::TerrainPaint;
 use crate::texture::{DecodeAs, Texture, decode};
@@ -68,7 +68,7 @@ pub struct ObjectLight {
     pub falloff: f32,
 }
 
-type Cache<K, V> = Mutex<HashMap<K, V>>;
+type Cache<K, V> = Mutex<NumberMap<K, V>>;
 
 /// The assets of one world, made when first asked for, from any thread. One value belongs to one [`World`]; share it
 /// by reference.
@@ -78,6 +78,8 @@ pub struct Assets {
     textures: Cache<(u32, u32, DecodeAs), (Arc<Texture>, bool)>,
     models: Cache<(u32, bool), Option<Arc<Mesh>>>,
     cells: Cache<(u32, u16, Box<[u32]>), Option<Arc<Mesh>>>,
+    /// The same by the id of the cell.
+    shells: Cache<u32, Option<Arc<Mesh>>>,
     levels: Cache<u32, Arc<[Degrade]>>,
     lights: Cache<u32, Arc<[ObjectLight]>>,
     lamps: Cache<u32, Arc<[crate::lighting::Lamp]>>,
@@ -284,6 +286,10 @@ impl Assets {
 
     /// The mesh of an env cell's shell, cell-local.
     pub fn cell_shell(&self, world: &World, cell: &EnvCell) -> Option<Arc<Mesh>> {
+        cached(&self.shells, cell.id.0, || self.structure_shell(world, cell))
+    }
+
+    fn structure_shell(&self, world: &World, cell: &EnvCell) -> Option<Arc<Mesh>> {
         let structure = &cell.structure;
         let key = (structure.environment, structure.key, cell.surfaces.clone());
         cached(&self.cells, key, || {

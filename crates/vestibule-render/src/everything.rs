@@ -1,14 +1,15 @@
 //! Everything at once: all loaded cells with a depth buffer and no traversal (`rendering.md` 10.4).
 
 use vestibule_physics::ObjectRef;
-use vestibule_view::{Camera, LightSet};
+use vestibule_view::{Camera, Command, LightSet, Views};
 use vestibule_world::{CellId, Landblock, StaticRef};
 
 use crate::error::RenderError;
 use crate::id_image::IdImage;
 use crate::image::Image;
 use crate::paint::{Mode, Painter};
-use crate::reference::{Run, buffers};
+use crate::picture::Picture;
+use crate::reference::{buffers, paint_picture};
 use crate::scene::{RenderSettings, Scene};
 
 /// What [`render_everything`] draws.
@@ -65,6 +66,57 @@ pub fn render_everything_ids(
     })
 }
 
+/// The commands that draw all landblocks around a camera, only depth deciding: ground and shells, objects, rooms, bodies.
+pub fn everything_commands(scene: &Scene<'_>, camera: &Camera, what: Everything) -> Vec<Command> {
+    let views = Views::Landscape;
+    let centre = camera.cell().block();
+    let radius = what.radius.clamp(0, 32);
+    let blocks: Vec<&Landblock> = (-radius..=radius)
+        .flat_map(|dx| (-radius..=radius).filter_map(move |dy| centre.neighbour(dx, dy)))
+        .filter_map(|id| scene.world.block(id))
+        .collect();
+    let mut out = Vec::new();
+    if what.outdoors && blocks.iter().any(|b| b.land.is_some()) {
+        out.push(Command::Sky);
+    }
+    for block in &blocks {
+        if what.outdoors {
+            out.push(Command::Light(LightSet::Sun));
+            out.extend(block.land_cells().map(|(id, _)| Command::Terrain(id)));
+            for (index, building) in block.buildings.iter().enumerate() {
+                if let Some(part) = building.shape.parts.first().filter(|p| p.model.is_some()) {
+                    out.push(Command::Building {
+                        block: block.id,
+                        building: index as u32,
+                        model: part.model_id,
+                    });
+                }
+            }
+        }
+        for (index, object) in block.statics.iter().enumerate() {
+            let cell = object.cell;
+            if !what.outdoors && !cell.is_indoor() {
+                continue;
+            }
+            out.push(Command::Light(set_for(cell)));
+            let id = ObjectRef::Static(StaticRef {
+                block: block.id,
+                index: index as u32,
+            });
+            out.push(Command::Object { id, cell, views });
+        }
+        out.push(Command::Light(LightSet::Indoor));
+        out.extend(block.env_cells().map(|c| Command::Room { cell: c.id, views }));
+    }
+    for (id, body) in scene.population.iter().flat_map(|p| p.bodies()) {
+        let cell = body.cell().unwrap_or(body.position().cell);
+        let id = ObjectRef::Body(id);
+        out.push(Command::Light(set_for(cell)));
+        out.push(Command::Object { id, cell, views });
+    }
+    out
+}
+
 fn paint(
     scene: &Scene<'_>,
     camera: &Camera,
@@ -72,67 +124,19 @@ fn paint(
     settings: &RenderSettings,
     mode: Mode,
 ) -> Result<Painter, RenderError> {
-    let world = scene.world;
-    let mut buffers = buffers(camera, mode)?;
-    let day = scene.daylight();
-    let cell = world.env_cell(camera.cell());
-    let sealed = camera.cell().is_indoor() && cell.is_none_or(|c| !c.seen_outside);
-    let clear = day.horizon * 255.0;
-    buffers
-        .color
-        .fill([clear.x as u8, clear.y as u8, clear.z as u8, 255]);
-    let painter = Painter::new(mode, *settings, camera, buffers, day, sealed);
-    let mut run = Run::new(scene, camera, painter);
-    run.close_cracks(!what.outdoors);
-    let centre = camera.cell().block();
-    let radius = what.radius.clamp(0, 32);
-    let blocks: Vec<&Landblock> = (-radius..=radius)
-        .flat_map(|dx| (-radius..=radius).filter_map(move |dy| centre.neighbour(dx, dy)))
-        .filter_map(|id| world.block(id))
-        .collect();
-    if what.outdoors && blocks.iter().any(|b| b.land.is_some()) {
-        let size = run.painter.buffers.screen;
-        run.sky([0, size.width, 0, size.height]);
-    }
-    for block in &blocks {
-        if what.outdoors {
-            run.set_light(LightSet::Sun);
-            for (id, _) in block.land_cells() {
-                run.terrain(id);
-            }
-            for (index, building) in block.buildings.iter().enumerate() {
-                if let Some(part) = building.shape.parts.first().filter(|p| p.model.is_some()) {
-                    run.building(block.id, index as u32, part.model_id);
-                }
-            }
-        }
-        for index in 0..block.statics.len() as u32 {
-            let object = &block.statics[index as usize];
-            if !what.outdoors && !object.cell.is_indoor() {
-                continue;
-            }
-            run.set_light(set_for(object.cell));
-            let id = StaticRef {
-                block: block.id,
-                index,
-            };
-            run.object(ObjectRef::Static(id), object.cell, &[]);
-        }
-        run.set_light(LightSet::Indoor);
-        for cell in block.env_cells() {
-            run.room(cell.id, &[]);
-        }
-    }
-    if let Some(population) = scene.population {
-        for (id, body) in population.bodies() {
-            let cell = body.cell().unwrap_or(body.position().cell);
-            run.set_light(set_for(cell));
-            run.object(ObjectRef::Body(id), cell, &[]);
-        }
-    }
-    run.painter.flush();
-    run.painter.resolve();
-    Ok(run.painter)
+    let buffers = buffers(camera, mode)?;
+    let cell = scene.world.env_cell(camera.cell());
+    let picture = Picture {
+        camera,
+        commands: &everything_commands(scene, camera, what),
+        frame: None,
+        sealed: camera.cell().is_indoor() && cell.is_none_or(|c| !c.seen_outside),
+    };
+    let clear = scene.daylight().horizon;
+    let own_rooms = !what.outdoors;
+    Ok(paint_picture(
+        scene, &picture, settings, buffers, mode, clear, own_rooms,
+    ))
 }
 
 fn set_for(cell: CellId) -> LightSet {

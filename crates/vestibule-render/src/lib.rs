@@ -9,6 +9,7 @@
 //! * [`render_distances`] tells how far away everything in it is, for effects;
 //! * [`render_everything`] ignores the traversal and lets depth alone decide, the truth where nothing overlaps;
 //! * [`Oracle`] follows the ray of a pixel through the cell graph, the truth also where rooms overlap;
+//! * [`Walk`] goes over a picture's commands for any renderer, which is a [`Canvas`] that draws what is met;
 //! * [`Filmstrip`] and [`write_apng`] put pictures together.
 //!
 //! ```no_run
@@ -49,9 +50,11 @@ mod land;
 mod lighting;
 mod material;
 mod mesh;
+mod number_map;
 mod oracle;
 mod overlaps;
 mod paint;
+mod picture;
 mod place;
 mod raster;
 mod reference;
@@ -61,12 +64,13 @@ mod sky;
 mod terrain_paint;
 mod texel;
 mod texture;
+mod walk;
 
 pub use assets::{AssetCounters, Assets, ObjectLight};
 pub use detail::{DetailedObjects, ModelLevel, model_level, turned};
 pub use distance_image::DistanceImage;
 pub use error::RenderError;
-pub use everything::{Everything, render_everything, render_everything_ids};
+pub use everything::{Everything, everything_commands, render_everything, render_everything_ids};
 pub use figure::{FIGURE_HEIGHT, figure};
 pub use filmstrip::Filmstrip;
 pub use id_image::IdImage;
@@ -75,11 +79,15 @@ pub use land::{LandMesh, TERRAIN_OFFSET};
 pub use lighting::{Lamp, LightLevels, MAX_OBJECT_LAMPS, MAX_SHELL_LAMPS, OBJECT_RANGE, shell_light};
 pub use material::{Blend, DrawList, Factor, Material};
 pub use mesh::{Mesh, MeshFace, MeshVertex};
+pub use number_map::{NumberHasher, NumberMap};
 pub use oracle::{Oracle, RayHit};
 pub use overlaps::overlapping_cells;
+pub use picture::Picture;
+pub use place::{EyeFrame, Placed};
 pub use raster::{PUNCH_DEPTH, PixelId, PixelKind};
 pub use reference::{render, render_commands, render_commands_ids, render_distances, render_ids};
 pub use scene::{LightDetail, RenderCounters, RenderSettings, Scene};
 pub use sky::{Daylight, Fog, Moment, SkyTable, SkyThing};
 pub use terrain_paint::{CellPaint, Cover, Layer, TerrainPaint, TypeTexture};
 pub use texture::{DecodeAs, Level, Texture, TextureError, decode as decode_texture};
+pub use walk::{Canvas, Owner, Piece, PieceLight, PortalDepth, Walk, WalkCounters};

@@ -17,21 +17,13 @@ use crate::shade::{
     Lamps, Light, Lighting, MeshLight, Normal, Palette, Shade, Slope, Surface, TextureMap, fogged, step_of,
 };
 use crate::sky::{Daylight, Fog};
+use crate::walk::Owner;
 
 /// What pixels are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
     Color,
     Ids,
-}
-
-/// Who a mesh belongs to, for its ids.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Owner {
-    pub(crate) kind: PixelKind,
-    pub(crate) cell: u32,
-    /// The item of every face; `None` takes the polygon's key.
-    pub(crate) item: Option<u32>,
 }
 
 /// A see-through triangle put aside (`rendering.md` 14.7).
@@ -61,8 +53,6 @@ pub(crate) struct Painter {
     /// How much opaque triangles of meshes grow, pixels: [`GROWTH`](crate::raster::scan::GROWTH) for the viewer's own
     /// rooms, else nothing.
     pub(crate) growth: f64,
-    /// The viewer's cell does not see the outside.
-    pub(crate) sealed: bool,
     slopes: (f64, f64),
     deferred: Vec<Deferred>,
     /// Opaque triangles whose pixels wait for their colour, and the lamps they name.
@@ -96,7 +86,6 @@ impl Painter {
             fog: day.fog.filter(|_| settings.fog && !sealed),
             counters: RenderCounters::default(),
             growth: 0.0,
-            sealed,
             slopes: (f64::from(camera.slopes().x), f64::from(camera.slopes().y)),
             eye,
             deferred: Vec::new(),
@@ -104,14 +93,6 @@ impl Painter {
             lamp_pool: Vec::new(),
             points: Vec::new(),
             normals: Vec::new(),
-        }
-    }
-
-    /// A lamp of a landblock's frame, in camera axes.
-    pub(crate) fn lamp_seen(&self, placed: &Placed, lamp: &Lamp) -> Lamp {
-        Lamp {
-            position: placed.point(lamp.position).as_vec3(),
-            ..*lamp
         }
     }
 
@@ -135,11 +116,7 @@ impl Painter {
         confine: &[Affine],
     ) {
         let middle = placed.point(mesh.sphere.center);
-        let reach = (placed.point(mesh.sphere.center + Vec3::X) - middle)
-            .length()
-            .max((placed.point(mesh.sphere.center + Vec3::Y) - middle).length())
-            .max((placed.point(mesh.sphere.center + Vec3::Z) - middle).length());
-        if !self.on_screen(middle, f64::from(mesh.sphere.radius) * reach + 0.01) {
+        if !self.on_screen(middle, f64::from(mesh.sphere.radius) * placed.reach() + 0.01) {
             return;
         }
         let mut points = core::mem::take(&mut self.points);
@@ -180,7 +157,7 @@ impl Painter {
                 self.counters.triangles += 1;
                 let id = PixelId::new(
                     owner.kind,
-                    owner.cell,
+                    owner.cell.0,
                     owner.item.unwrap_or(u32::from(face.polygon)),
                 );
                 let at_once = material.list == DrawList::Now && opacity >= 1.0;

@@ -5,9 +5,10 @@ use vestibule_view::Camera;
 use vestibule_world::ids::block_offset;
 use vestibule_world::{BlockId, Frame};
 
-/// A camera's eye and axes in f64.
+/// A camera's eye and axes in f64. Camera axes are x right, y forward, z up, metres, the eye at the origin
+/// (`visibility.md` 14.2).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct EyeFrame {
+pub struct EyeFrame {
     camera: Camera,
     /// Rows: right, forward, up.
     rows: [DVec3; 3],
@@ -16,13 +17,14 @@ pub(crate) struct EyeFrame {
 
 /// A frame as the camera sees it: `p` lies at `matrix p + origin` in camera axes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed {
+pub struct Placed {
     matrix: DMat3,
     origin: DVec3,
 }
 
 impl EyeFrame {
-    pub(crate) fn new(camera: &Camera) -> Self {
+    /// The frame of a camera.
+    pub fn new(camera: &Camera) -> Self {
         EyeFrame {
             camera: *camera,
             rows: camera.axes().map(|a| a.as_dvec3()),
@@ -31,24 +33,24 @@ impl EyeFrame {
     }
 
     /// The eye in the frame of a landblock, unrounded.
-    pub(crate) fn eye_in(&self, block: BlockId) -> DVec3 {
+    pub fn eye_in(&self, block: BlockId) -> DVec3 {
         self.eye + block_offset(block, self.camera.cell().block()).as_dvec3()
     }
 
     /// An eye-relative vector in landscape axes, in camera axes.
     #[inline]
-    pub(crate) fn turn(&self, v: DVec3) -> DVec3 {
+    pub fn turn(&self, v: DVec3) -> DVec3 {
         DVec3::new(self.rows[0].dot(v), self.rows[1].dot(v), self.rows[2].dot(v))
     }
 
     /// A direction in camera axes, in landscape axes.
     #[inline]
-    pub(crate) fn turn_back(&self, v: DVec3) -> DVec3 {
+    pub fn turn_back(&self, v: DVec3) -> DVec3 {
         self.rows[0] * v.x + self.rows[1] * v.y + self.rows[2] * v.z
     }
 
     /// A frame of a landblock, with a scale of its local axes.
-    pub(crate) fn place(&self, block: BlockId, frame: &Frame, scale: Vec3) -> Placed {
+    pub fn place(&self, block: BlockId, frame: &Frame, scale: Vec3) -> Placed {
         let axes = frame.axes().map(|a| self.turn(a.as_dvec3()));
         let s = scale.as_dvec3();
         Placed {
@@ -58,19 +60,37 @@ impl EyeFrame {
     }
 
     /// The landblock itself.
-    pub(crate) fn place_block(&self, block: BlockId) -> Placed {
+    pub fn place_block(&self, block: BlockId) -> Placed {
         self.place(block, &Frame::IDENTITY, Vec3::ONE)
     }
 }
 
 impl Placed {
+    /// A point of the frame in camera axes.
     #[inline]
-    pub(crate) fn point(&self, p: Vec3) -> DVec3 {
+    pub fn point(&self, p: Vec3) -> DVec3 {
         self.matrix * p.as_dvec3() + self.origin
     }
 
     /// Whether the scale mirrors: then the other side of every face shows (`rendering.md` 2.7).
-    pub(crate) fn mirrors(&self) -> bool {
+    pub fn mirrors(&self) -> bool {
         self.matrix.determinant() < 0.0
+    }
+
+    /// The largest stretch along an axis.
+    pub fn reach(&self) -> f64 {
+        let m = &self.matrix;
+        m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())
+    }
+
+    /// Rows for a shader: x, y and z in camera axes are the products of each with (p, 1).
+    pub fn rows(&self) -> [[f32; 4]; 3] {
+        let (m, o) = (&self.matrix, self.origin);
+        let row = |x: f64, y: f64, z: f64, w: f64| [x as f32, y as f32, z as f32, w as f32];
+        [
+            row(m.x_axis.x, m.y_axis.x, m.z_axis.x, o.x),
+            row(m.x_axis.y, m.y_axis.y, m.z_axis.y, o.y),
+            row(m.x_axis.z, m.y_axis.z, m.z_axis.z, o.z),
+        ]
     }
 }

@@ -1,8 +1,7 @@
 //! What a frame asks its caller: the objects of a cell and the level of detail of a building.
 
-use glam::Vec3;
 use vestibule_physics::{BodyId, ObjectRef, Population};
-use vestibule_world::{BoundingBox, Building, CellId, Frame, Shape, Sphere, World};
+use vestibule_world::{Building, CellId, Sphere, World, bounding_sphere};
 
 /// An object that may have to be drawn: what names it, and a sphere around it in the frame of the landblock of
 /// the cell it was asked for, metres.
@@ -70,7 +69,7 @@ impl FrameSource for WorldObjects<'_> {
                 continue;
             };
             let offset = vestibule_world::ids::block_offset(cell.block(), object.cell.block());
-            let sphere = bounding_sphere(&object.shape, &object.frame, &object.part_frames);
+            let sphere = object.bounds;
             each(FrameObject {
                 id: ObjectRef::Static(id),
                 sphere: Sphere::new(sphere.center + offset, sphere.radius),
@@ -88,32 +87,6 @@ impl FrameSource for WorldObjects<'_> {
                 id: ObjectRef::Body(id),
                 sphere: Sphere::new(sphere.center + offset, sphere.radius * body.scale()),
             });
-        }
-    }
-}
-
-/// A sphere around the parts of a placed shape, in the frame its part frames lead to; the sorting sphere of a shape
-/// without models.
-pub fn bounding_sphere(shape: &Shape, frame: &Frame, part_frames: &[Frame]) -> Sphere {
-    let mut hull: Option<BoundingBox> = None;
-    for (part, placed) in shape.parts.iter().zip(part_frames) {
-        let Some(model) = &part.model else { continue };
-        for corner in model.bounds.corners() {
-            let p = placed.local_to_global(corner * part.scale);
-            match &mut hull {
-                Some(hull) => hull.grow(p),
-                None => hull = Some(BoundingBox { min: p, max: p }),
-            }
-        }
-    }
-    match hull {
-        Some(hull) => {
-            let half: Vec3 = (hull.max - hull.min) * 0.5;
-            Sphere::new(hull.min + half, half.length())
-        }
-        None => {
-            let s = &shape.sorting_sphere;
-            Sphere::new(frame.local_to_global(s.center), s.radius)
         }
     }
 }

@@ -92,7 +92,7 @@ pub use frame::{
     Command, FrameCounters, FrameInput, FramePath, FrameSettings, FrameView, LightSet, PolygonRef, SealDepth,
     Views,
 };
-pub use frame_source::{FrameObject, FrameSource, WorldObjects, bounding_sphere};
+pub use frame_source::{FrameObject, FrameSource, WorldObjects};
 pub use look_in::{LookIn, LookIns};
 pub use openings::{BlockOpenings, DoorSpec, HouseSpec, OpeningProblems, Openings, PortalSpec, RoomSpec};
 pub use potentially_visible::{PotentiallyVisible, potentially_visible};
@@ -101,5 +101,6 @@ pub use svg::{flood_svg, frame_svg};
 pub use update_viewer::{
     PIVOT_OFFSET, VIEWER_SPHERE_RADIUS, Viewer, ViewerSource, ViewerTarget, update_viewer,
 };
+pub use vestibule_world::bounding_sphere;
 pub use view::{Edge, InView, Region};
 pub use viewer::{PlayerCell, ViewerCell};

@@ -77,23 +77,31 @@ impl<'a> Region<'a> {
         answer
     }
 
-    /// Whether some of a box of eye-relative corners may be inside: no plane has all corners outside.
+    /// Whether some of a box may be inside: no plane has all corners outside. Corners are eye-relative, in the order of
+    /// [`BoundingBox::corners`](vestibule_world::BoundingBox::corners).
     pub fn meets_box(&self, corners: &[Vec3; 8], forward: Vec3, near: f32) -> InView {
         let mut answer = InView::Inside;
-        let mut test = |normal: Vec3, offset: f32| {
-            let outside = corners.iter().filter(|c| normal.dot(**c) < offset).count();
-            if outside == 8 {
-                answer = InView::Outside;
-            } else if outside > 0 && answer == InView::Inside {
+        let mut outside = |normal: Vec3, offset: f32| {
+            // The corner farthest along the normal, and the one opposite: rounding keeps them so.
+            let far = usize::from(normal.x > 0.0)
+                | usize::from(normal.y > 0.0) << 1
+                | usize::from(normal.z > 0.0) << 2;
+            if normal.dot(corners[far]) < offset {
+                return true;
+            }
+            if normal.dot(corners[7 - far]) < offset {
                 answer = InView::Partial;
             }
+            false
         };
-        if !self.edges.is_empty() {
-            test(forward, near);
+        if !self.edges.is_empty() && outside(forward, near) {
+            return InView::Outside;
         }
         for e in self.edges {
             // A zero normal puts nothing outside.
-            test(e.normal, -crate::constants::EPSILON);
+            if outside(e.normal, -crate::constants::EPSILON) {
+                return InView::Outside;
+            }
         }
         answer
     }

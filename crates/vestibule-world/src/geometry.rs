@@ -130,6 +130,7 @@ impl BoundingBox {
     }
 
     /// Extends the box to hold `p`.
+    #[inline]
     pub fn grow(&mut self, p: Vec3) {
         let lower = |a: f32, b: f32| if b < a { b } else { a };
         let upper = |a: f32, b: f32| if b > a { b } else { a };
@@ -145,7 +146,8 @@ impl BoundingBox {
         );
     }
 
-    /// The eight corners.
+    /// The eight corners: x changes first, z last, the smaller before the larger.
+    #[inline]
     pub fn corners(&self) -> [Vec3; 8] {
         let (a, b) = (self.min, self.max);
         [

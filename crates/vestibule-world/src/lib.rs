@@ -87,7 +87,9 @@ pub use position::{MapCoordinates, ParseMapCoordinatesError, ParsePositionError,
 pub use region::{REGION_RECORD, Region};
 pub use residency::{ResidencySettings, ResidencyStats};
 pub use shadow::{ShadowLists, StaticReach, calc_cross_cells_static, part_bounds};
-pub use shape::{Aperture, Building, BuildingPortal, Model, Shape, ShapePart, StaticObject, StaticRef};
+pub use shape::{
+    Aperture, Building, BuildingPortal, Model, Shape, ShapePart, StaticObject, StaticRef, bounding_sphere,
+};
 pub use source::{MemoryRecords, RecordSource, SourceError, Store};
 pub use terrain::{LandCell, Split, TerrainPolygon, TerrainWord, Water};
 pub use transit_hints::TransitHints;

@@ -169,9 +169,10 @@ impl Loader<'_> {
                 }
             }
             let portals = record.portals.iter().map(|p| self.building_portal(p)).collect();
-            let part_frames = shape.parts.iter().map(|p| frame.combine(&p.frame)).collect();
+            let part_frames: Box<[Frame]> = shape.parts.iter().map(|p| frame.combine(&p.frame)).collect();
             out.push(Building {
                 model_id: record.model_id,
+                bounds: crate::shape::building_bounds(&shape, &frame, &part_frames),
                 shape,
                 frame,
                 part_frames,

@@ -101,19 +101,64 @@ pub struct StaticObject {
     pub cell: CellId,
     /// Part to landblock frame, one per part of the shape.
     pub part_frames: Box<[Frame]>,
+    /// Around its parts, landblock frame; see [`bounding_sphere`].
+    pub bounds: Sphere,
 }
 
 impl StaticObject {
     /// Places a shape of scale 1.
     pub fn new(shape: Arc<Shape>, frame: Frame, cell: CellId) -> Self {
-        let part_frames = shape.parts.iter().map(|p| frame.combine(&p.frame)).collect();
+        let part_frames: Box<[Frame]> = shape.parts.iter().map(|p| frame.combine(&p.frame)).collect();
         StaticObject {
+            bounds: bounding_sphere(&shape, &frame, &part_frames),
             shape,
             frame,
             cell,
             part_frames,
         }
     }
+}
+
+/// A sphere around the parts of a placed shape, in the frame its part frames lead to; the sorting sphere of a shape
+/// without models.
+pub fn bounding_sphere(shape: &Shape, frame: &Frame, part_frames: &[Frame]) -> Sphere {
+    let mut hull: Option<BoundingBox> = None;
+    for (part, placed) in shape.parts.iter().zip(part_frames) {
+        let Some(model) = &part.model else { continue };
+        for corner in model.bounds.corners() {
+            let p = placed.local_to_global(corner * part.scale);
+            match &mut hull {
+                Some(hull) => hull.grow(p),
+                None => hull = Some(BoundingBox { min: p, max: p }),
+            }
+        }
+    }
+    match hull {
+        Some(hull) => {
+            let half: Vec3 = (hull.max - hull.min) * 0.5;
+            Sphere::new(hull.min + half, half.length())
+        }
+        None => {
+            let s = &shape.sorting_sphere;
+            Sphere::new(frame.local_to_global(s.center), s.radius)
+        }
+    }
+}
+
+/// A box around the origin of a building and the parts of its shell, in the frame its part frames lead to.
+pub(crate) fn building_bounds(shape: &Shape, frame: &Frame, part_frames: &[Frame]) -> BoundingBox {
+    let mut out = BoundingBox {
+        min: frame.origin,
+        max: frame.origin,
+    };
+    for (part, frame) in shape.parts.iter().zip(part_frames) {
+        if let Some(model) = &part.model {
+            let b = model.bounds.mapped(|p| frame.local_to_global(p * part.scale));
+            out.grow(b.min);
+            out.grow(b.max);
+        }
+    }
+    out
 }
 
 /// An opening that leads from the landscape into a building (retail `CBldPortal`, `world.md` C3).
@@ -146,6 +191,8 @@ pub struct Building {
     pub cell: CellId,
     /// Its portals in record order.
     pub portals: Box<[BuildingPortal]>,
+    /// Around its origin and its parts, landblock frame.
+    pub bounds: BoundingBox,
 }
 
 /// Names one static object of a world: its landblock and its position in [`crate::Landblock::statics`].

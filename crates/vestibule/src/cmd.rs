@@ -8,6 +8,9 @@ mod dat;
 mod explore;
 #[cfg(feature = "explore")]
 mod explore_trail;
+#[cfg_attr(not(feature = "explore"), path = "cmd/no_gpu.rs")]
+mod gpu;
+mod gpu_cost;
 mod id;
 mod inspect;
 mod ls;

@@ -7,6 +7,7 @@
 //! * [`world`] is the cell graph made from them: cells, portals, terrain, buildings, and which cell a body is in;
 //! * [`open_world`] opens a folder of DAT files, or a small world that is built in;
 //! * [`physics`] moves bodies through it by the collision sweep; [`view`] says what can be seen; [`render`] draws it;
+//! * [`guide`] says how a client, a server and an editor use all this, call by call;
 //! * [`studio`] makes pictures in a few lines, [`tour`] walks through everything;
 //! * [`conform`] runs test vectors.
 //!
@@ -39,6 +40,8 @@ pub use vestibule_world as world;
 pub mod conform;
 pub mod describe;
 pub mod film;
+#[doc = include_str!("../docs/guide.md")]
+pub mod guide {}
 pub mod locate;
 pub mod map_svg;
 mod open;

@@ -159,7 +159,8 @@ impl<'w> Studio<'w> {
         }
     }
 
-    fn scene<'a>(&'a self, shot: &'a Shot) -> Scene<'a> {
+    /// What is drawn of a shot besides its frame, for other renderers.
+    pub fn scene<'a>(&'a self, shot: &'a Shot) -> Scene<'a> {
         let scene = Scene::new(self.world, &self.assets)
             .at_time(self.time_of_day)
             .with_population(&shot.population);

@@ -404,4 +404,42 @@ fn bench_render_times_pictures() {
         groups.iter().all(|g| g["median_ms"].as_f64().unwrap() > 0.0),
         "{json}"
     );
+    // What frames cost on the graphics card, or why that is not known.
+    match json["gpu"]["views"].as_array() {
+        Some(views) => {
+            assert_eq!(views.len(), 4);
+            let positive = |v: &serde_json::Value, key: &str| v[key].as_f64().unwrap() > 0.0;
+            for key in [
+                "processor_ms",
+                "traversal_ms",
+                "draws",
+                "frames_per_second",
+                "everything_ms",
+            ] {
+                assert!(views.iter().all(|v| positive(v, key)), "{key}: {json}");
+            }
+        }
+        None => assert!(!json["no_gpu"].as_str().unwrap().is_empty(), "{json}"),
+    }
+    let plain = sandbox.run(&["bench", "render", "--size", "40x30", "--eyes", "1", "--cpu"]);
+    plain.ok().shows(&["on the processor", "indoors"]);
+}
+
+#[test]
+fn render_says_what_drew() {
+    let sandbox = Sandbox::new();
+    let place = "0xA9B40031 [155.4 22 94.1]";
+    let render = |more: &[&str]| {
+        let args = ["render", place, "--size", "48x32", "--json", "-o", "a.png"];
+        sandbox.run(&[&args[..], more].concat()).ok().json()
+    };
+    let (any, cpu) = (render(&[]), render(&["--cpu"]));
+    assert_eq!(cpu["renderer"], "cpu");
+    assert!(cpu["adapter"].is_null());
+    assert_eq!(any["renderer"] == "gpu", any["adapter"].is_string(), "{any}");
+    assert_eq!(
+        render(&["--ids"])["renderer"],
+        "cpu",
+        "ids are told by the reference"
+    );
 }

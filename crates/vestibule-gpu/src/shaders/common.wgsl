@@ -23,37 +23,18 @@ struct Frame {
     // Its length is the brightness, landscape axes.
     sky_sun: vec4<f32>,
     // x: soft light indoors. y: the nearest mip level, as the reference picks it. z: keep behind the exits.
+    // w: there is a viewer's lamp.
     flags: vec4<u32>,
-};
-
-struct Draw {
-    // Rows of the placement.
-    row0: vec4<f32>,
-    row1: vec4<f32>,
-    row2: vec4<f32>,
-    // Luminosity, diffuse, least alpha (0: no test), opacity.
-    material: vec4<f32>,
-    // Kind of light (0 sun, 1 shell, 2 object indoors, 3 its own), flags (1 fog, 2 alpha counts), lamps, tag bits.
-    how: vec4<u32>,
-    // Positions of the lamps of an object.
-    picks0: vec4<u32>,
-    picks1: vec4<u32>,
-    // Id: cell, code and item, 1 when the item is the polygon.
-    id: vec4<u32>,
-};
-
-struct Lights {
-    // Lamps, 1 when there is a viewer's lamp, planes.
-    counts: vec4<u32>,
-    viewer: array<vec4<f32>, 2>,
     // Position and falloff; colour and intensity.
-    lamps: array<vec4<f32>, 80>,
-    // Normal, and how far outside still counts.
-    planes: array<vec4<f32>, 32>,
+    viewer: array<vec4<f32>, 2>,
 };
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var limit_depth: texture_2d<f32>;
+// Lamps (position and falloff; colour and intensity) and planes (normal, and how far outside still counts).
+@group(0) @binding(2) var<uniform> lists: array<vec4<f32>, 1024>;
+// Where the corner of each landblock lies.
+@group(0) @binding(3) var<uniform> lands: array<vec4<f32>, 1024>;
 
 fn project(place: vec3<f32>) -> vec4<f32> {
     return vec4<f32>(place.x / frame.lens.x, place.z / frame.lens.y, frame.lens.z, place.y);

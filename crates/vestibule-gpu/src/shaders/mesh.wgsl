@@ -3,10 +3,12 @@
 override CUT: bool = false;
 override PIXEL_LIT: bool = false;
 
-@group(1) @binding(0) var<uniform> draw: Draw;
-@group(1) @binding(1) var<uniform> lights: Lights;
-@group(2) @binding(0) var picture: texture_2d<f32>;
-@group(2) @binding(1) var picture_sampler: sampler;
+// Textures repeat.
+override WRAP: bool = false;
+
+@group(1) @binding(0) var pictures: texture_2d_array<f32>;
+@group(1) @binding(1) var clamping: sampler;
+@group(1) @binding(2) var repeating: sampler;
 
 struct Corner {
     @location(0) position: vec3<f32>,
@@ -15,13 +17,30 @@ struct Corner {
     @location(3) polygon: u32,
 };
 
+struct Instance {
+    // Rows of the placement.
+    @location(4) row0: vec4<f32>,
+    @location(5) row1: vec4<f32>,
+    @location(6) row2: vec4<f32>,
+    // Luminosity, diffuse, least alpha (0: no test), opacity.
+    @location(7) material: vec4<f32>,
+    // x, from the lowest bits: 2 kind of light (0 sun, 1 shell, 2 object indoors, 3 its own), flags (1 fog, 2 alpha counts, 4
+    // the item is the polygon), from 8 number of lamps, from 16 layer, from 24 number of planes. y: first lamp, from 16
+    // first plane. z, w: lamps of an object, 8 bits each.
+    @location(8) how: vec4<u32>,
+    // Cell, code and item.
+    @location(9) id: vec2<u32>,
+};
+
 struct Seen {
     @builtin(position) at: vec4<f32>,
     @location(0) place: vec3<f32>,
     // The normal, or the light when it is computed at the corners.
     @location(1) light: vec3<f32>,
     @location(2) uv: vec2<f32>,
-    @location(3) @interpolate(flat, either) polygon: u32,
+    @location(3) @interpolate(flat, either) material: vec4<f32>,
+    @location(4) @interpolate(flat, either) how: vec4<u32>,
+    @location(5) @interpolate(flat, either) id: vec2<u32>,
 };
 
 fn soft_channel(v: f32) -> f32 {
@@ -32,8 +51,8 @@ fn soft_channel(v: f32) -> f32 {
     return 1.0 - 0.5 / (1.0 + x + x * x * 0.5);
 }
 
-fn finish(c: vec3<f32>) -> vec3<f32> {
-    if (frame.flags.x != 0u && draw.how.x != 0u) {
+fn finish(c: vec3<f32>, kind: u32) -> vec3<f32> {
+    if (frame.flags.x != 0u && kind != 0u) {
         return vec3<f32>(soft_channel(c.x), soft_channel(c.y), soft_channel(c.z));
     }
     return clamp(c, vec3<f32>(0.0), vec3<f32>(1.0));
@@ -72,43 +91,41 @@ fn on_object(at: vec4<f32>, color: vec4<f32>, place: vec3<f32>, normal: vec3<f32
     return color.rgb * (color.w * max(facing, 0.0));
 }
 
-fn picked(k: u32) -> u32 {
-    if (k < 4u) {
-        return draw.picks0[k];
-    }
-    return draw.picks1[k - 4u];
-}
-
-fn light_at(place: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
-    let own = vec3<f32>(draw.material.x);
-    let diffuse = draw.material.y;
-    switch draw.how.x {
+fn light_at(place: vec3<f32>, normal: vec3<f32>, material: vec4<f32>, how: vec4<u32>) -> vec3<f32> {
+    let own = vec3<f32>(material.x);
+    let diffuse = material.y;
+    let kind = how.x & 3u;
+    let first = how.y & 0xFFFFu;
+    let count = min((how.x >> 8u) & 255u, 40u);
+    switch kind {
         case 0u: {
             let facing = max(dot(normal, frame.sun.xyz), 0.0);
-            return finish(own + (frame.outdoor_light.rgb + frame.sun_color.rgb * facing) * diffuse);
+            return finish(own + (frame.outdoor_light.rgb + frame.sun_color.rgb * facing) * diffuse, kind);
         }
         case 1u: {
             var dynamic = frame.indoor_light.rgb;
-            if (lights.counts.y != 0u) {
-                dynamic += on_object(lights.viewer[0], lights.viewer[1], place, normal);
+            if (frame.flags.w != 0u) {
+                dynamic += on_object(frame.viewer[0], frame.viewer[1], place, normal);
             }
             var baked = vec3<f32>(0.0);
-            for (var k = 0u; k < min(lights.counts.x, 40u); k++) {
-                baked += on_shell(lights.lamps[2u * k], lights.lamps[2u * k + 1u], place, normal);
+            for (var k = 0u; k < count; k++) {
+                let i = min(first + 2u * k, 1022u);
+                baked += on_shell(lists[i], lists[i + 1u], place, normal);
             }
             baked = clamp(baked, vec3<f32>(0.0), vec3<f32>(1.0));
-            return finish(own + baked + dynamic * diffuse);
+            return finish(own + baked + dynamic * diffuse, kind);
         }
         case 2u: {
             var sum = frame.indoor_light.rgb;
-            for (var k = 0u; k < min(draw.how.z, 8u); k++) {
-                let i = min(picked(k), 39u);
-                sum += on_object(lights.lamps[2u * i], lights.lamps[2u * i + 1u], place, normal);
+            for (var k = 0u; k < min(count, 8u); k++) {
+                let four = select(how.z, how.w, k >= 4u);
+                let i = min(first + 2u * ((four >> (8u * (k & 3u))) & 255u), 1022u);
+                sum += on_object(lists[i], lists[i + 1u], place, normal);
             }
-            if (lights.counts.y != 0u) {
-                sum += on_object(lights.viewer[0], lights.viewer[1], place, normal);
+            if (frame.flags.w != 0u) {
+                sum += on_object(frame.viewer[0], frame.viewer[1], place, normal);
             }
-            return finish(own + sum * diffuse);
+            return finish(own + sum * diffuse, kind);
         }
         default: {
             return own;
@@ -117,22 +134,24 @@ fn light_at(place: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
 }
 
 @vertex
-fn vertex(corner: Corner) -> Seen {
+fn vertex(corner: Corner, it: Instance) -> Seen {
     let p = vec4<f32>(corner.position, 1.0);
     let n = corner.normal;
     var out: Seen;
-    out.place = vec3<f32>(dot(draw.row0, p), dot(draw.row1, p), dot(draw.row2, p));
-    let turned = vec3<f32>(dot(draw.row0.xyz, n), dot(draw.row1.xyz, n), dot(draw.row2.xyz, n));
+    out.place = vec3<f32>(dot(it.row0, p), dot(it.row1, p), dot(it.row2, p));
+    let turned = vec3<f32>(dot(it.row0.xyz, n), dot(it.row1.xyz, n), dot(it.row2.xyz, n));
     let size = length(turned);
     let normal = select(vec3<f32>(0.0), turned / size, size > 0.0);
     if (PIXEL_LIT) {
         out.light = normal;
     } else {
-        out.light = light_at(out.place, normal);
+        out.light = light_at(out.place, normal, it.material, it.how);
     }
     out.at = project(out.place);
     out.uv = corner.uv;
-    out.polygon = corner.polygon;
+    out.material = it.material;
+    out.how = it.how;
+    out.id = vec2<u32>(it.id.x, it.id.y | select(0u, corner.polygon, (it.how.x & 16u) != 0u));
     return out;
 }
 
@@ -141,8 +160,9 @@ fn cut_away(seen: Seen) -> bool {
         return true;
     }
     let ray = seen.place / seen.place.y;
-    for (var k = 0u; k < min(lights.counts.z, 32u); k++) {
-        let plane = lights.planes[k];
+    let first = seen.how.y >> 16u;
+    for (var k = 0u; k < min(seen.how.x >> 24u, 32u); k++) {
+        let plane = lists[min(first + k, 1023u)];
         if (dot(plane.xyz, ray) + plane.w < 0.0) {
             return true;
         }
@@ -152,31 +172,39 @@ fn cut_away(seen: Seen) -> bool {
 
 @fragment
 fn color(seen: Seen) -> @location(0) vec4<f32> {
+    let layer = (seen.how.x >> 16u) & 255u;
     var c: vec4<f32>;
     if (frame.flags.y != 0u) {
-        let size = vec2<f32>(textureDimensions(picture));
+        let size = vec2<f32>(textureDimensions(pictures));
         let lod = level(slope(seen.uv, seen.at.w) * max(size.x, size.y));
-        c = textureSampleLevel(picture, picture_sampler, seen.uv, lod);
+        if (WRAP) {
+            c = textureSampleLevel(pictures, repeating, seen.uv, layer, lod);
+        } else {
+            c = textureSampleLevel(pictures, clamping, seen.uv, layer, lod);
+        }
+    } else if (WRAP) {
+        c = textureSample(pictures, repeating, seen.uv, layer);
     } else {
-        c = textureSample(picture, picture_sampler, seen.uv);
+        c = textureSample(pictures, clamping, seen.uv, layer);
     }
     if (CUT && cut_away(seen)) {
         discard;
     }
-    if (draw.material.z > 0.0 && c.a < draw.material.z) {
+    if (seen.material.z > 0.0 && c.a < seen.material.z) {
         discard;
     }
     var light = seen.light;
     if (PIXEL_LIT) {
         let size = length(seen.light);
-        light = light_at(seen.place, select(vec3<f32>(0.0), seen.light / size, size > 0.0));
+        let normal = select(vec3<f32>(0.0), seen.light / size, size > 0.0);
+        light = light_at(seen.place, normal, seen.material, seen.how);
     }
     var lit = c.rgb * light;
-    if ((draw.how.y & 1u) != 0u) {
+    if ((seen.how.x & 4u) != 0u) {
         lit = fogged(lit, seen.place);
     }
-    let alpha = select(1.0, c.a, (draw.how.y & 2u) != 0u);
-    return vec4<f32>(lit, alpha * draw.material.w);
+    let alpha = select(1.0, c.a, (seen.how.x & 8u) != 0u);
+    return vec4<f32>(lit, alpha * seen.material.w);
 }
 
 @fragment
@@ -184,5 +212,5 @@ fn ids(seen: Seen) -> @location(0) vec2<u32> {
     if (CUT && cut_away(seen)) {
         discard;
     }
-    return vec2<u32>(draw.id.x, draw.id.y | select(0u, seen.polygon, draw.id.z != 0u));
+    return seen.id;
 }

@@ -4,11 +4,10 @@ override CUT: bool = false;
 // The base texture is all there is: most land cells.
 override PLAIN: bool = false;
 
-@group(1) @binding(0) var<uniform> draw: Draw;
-@group(2) @binding(0) var pictures: texture_2d_array<f32>;
-@group(2) @binding(1) var picture_sampler: sampler;
-@group(2) @binding(2) var maps: texture_2d_array<f32>;
-@group(2) @binding(3) var map_sampler: sampler;
+@group(1) @binding(0) var pictures: texture_2d_array<f32>;
+@group(1) @binding(1) var picture_sampler: sampler;
+@group(1) @binding(2) var maps: texture_2d_array<f32>;
+@group(1) @binding(3) var map_sampler: sampler;
 
 struct Corner {
     @location(0) position: vec3<f32>,
@@ -19,6 +18,7 @@ struct Corner {
     // Base and overlays.
     @location(4) layers: vec4<u32>,
     @location(5) roads: vec2<u32>,
+    @location(6) land: u32,
 };
 
 struct Seen {
@@ -34,8 +34,13 @@ struct Seen {
 @vertex
 fn vertex(corner: Corner) -> Seen {
     let p = vec4<f32>(corner.position, 1.0);
+    let o = lands[corner.land];
     var out: Seen;
-    out.place = vec3<f32>(dot(draw.row0, p), dot(draw.row1, p), dot(draw.row2, p));
+    out.place = vec3<f32>(
+        dot(vec4<f32>(frame.right.xyz, o.x), p),
+        dot(vec4<f32>(frame.forward.xyz, o.y), p),
+        dot(vec4<f32>(frame.up.xyz, o.z), p),
+    );
     out.at = project(out.place);
     let facing = max(dot(corner.normal, frame.sun_land.xyz), 0.0);
     let light = frame.terrain_light.rgb + frame.sun_color.rgb * facing;

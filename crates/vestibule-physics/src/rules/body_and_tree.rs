@@ -335,3 +335,68 @@ fn s9_8_who_rests_and_who_moves() {
     };
     assert!(watched(107.0) && !watched(109.0));
 }
+
+#[test]
+fn z1_a_body_that_is_lost_rests() {
+    let mut rig = Rig::flat();
+    let id = rig.population.add(Body::player());
+    let mut put = |cell: u32, z: f32| {
+        let at = Position::new(CellId(cell), v(12.0, 12.0, z));
+        let placed = rig
+            .population
+            .set_position(&rig.world, &mut rig.scratch, id, &Placement::at(at))
+            .unwrap();
+        let active = |body: &Body| body.transient.has(TransientState::ACTIVE);
+        (placed, active(rig.population.body(id).unwrap()))
+    };
+    assert_eq!(put(LAND.0, 0.0), (Ok(Placed::InCell(LAND)), true));
+    assert_eq!(put(0xA9B4_0100, 0.0), (Ok(Placed::Lost), false));
+}
+
+#[test]
+fn s9_7_a_placement_without_sliding_ends_in_the_cell_it_began_in() {
+    // Two rooms with an opening at x = 22, and a wall 0.46 m to the east of the body: it is pushed 0.02 m to the west.
+    let placed = |x: f32| {
+        let opening = [
+            [22.0, 18.0, 0.0],
+            [22.0, 23.0, 0.0],
+            [22.0, 23.0, 2.5],
+            [22.0, 18.0, 2.5],
+        ];
+        let wall = wall_facing_west(x + 0.46, [18.0, 23.0], [0.0, 3.0]);
+        let west = records::Room::of_box(0x100, v(18.0, 18.0, -0.1), v(22.0, 23.0, 3.0))
+            .opening(Some(0x101), 0, false, &opening)
+            .walls(&[level([18.0, 22.0], [18.0, 23.0], 0.0), wall.clone()])
+            .stabs(&[0x101]);
+        let east = records::Room::of_box(0x101, v(22.0, 18.0, -0.1), v(26.0, 23.0, 3.0))
+            .opening(Some(0x100), 0, true, &opening)
+            .walls(&[level([22.0, 26.0], [18.0, 23.0], 0.0), wall])
+            .stabs(&[0x100]);
+        let mut builder = records::Builder::new(BLOCK);
+        builder.room(west).room(east);
+        let mut rig = Rig::of(builder);
+        let id = rig.population.add(Body::player());
+        let at = Position::new(CellId(0xA9B4_0101), v(x, 20.5, 0.01));
+        let exact = Placement::at(at).with_flags(SetPositionFlags::PLACEMENT);
+        rig.population
+            .set_position(&rig.world, &mut rig.scratch, id, &exact)
+            .unwrap()
+    };
+    assert_eq!(placed(22.03), Ok(Placed::InCell(CellId(0xA9B4_0101))));
+    assert!(placed(22.01).is_err());
+}
+
+#[test]
+fn s3_6_5_who_is_placed_over_a_floor_of_polygons_settles_on_it() {
+    let mut rig = Rig::with_faces(&[level([8.0, 16.0], [8.0, 16.0], 3.0)]);
+    let id = rig.population.add(Body::player());
+    let at = Position::new(LAND, v(12.0, 12.0, 3.4));
+    let placed = rig
+        .population
+        .set_position(&rig.world, &mut rig.scratch, id, &Placement::at(at))
+        .unwrap();
+    assert_eq!(placed, Ok(Placed::InCell(LAND)));
+    let body = rig.population.body(id).unwrap();
+    assert!((body.position().origin().z - 3.0).abs() < 0.01);
+    assert!(body.is_on_walkable());
+}

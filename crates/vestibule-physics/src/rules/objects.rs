@@ -570,3 +570,74 @@ fn s8_3_5_s8_4_4_in_the_air_a_foot_lands() {
         assert!(close(t.path.step_up_normal, n));
     }
 }
+
+#[test]
+fn s7_7_a_body_does_not_meet_itself_among_others() {
+    let mut rig = Rig::flat();
+    let stand = |rig: &mut Rig, x: f32| {
+        let id = rig
+            .population
+            .add(Body::creature(&[Sphere::new(v(0.0, 0.0, 0.5), 0.5)], Default::default()).unwrap());
+        let at = vestibule_world::Position::new(LAND, v(x, 12.0, 0.0));
+        assert!(
+            rig.population
+                .force_into_cell(&rig.world, &mut rig.scratch, id, &at)
+        );
+        id
+    };
+    let own = stand(&mut rig, 8.0);
+    let other = stand(&mut rig, 16.0);
+    let mut met = |body, x: f32| {
+        let mut mover = walker();
+        mover.body = Some(body);
+        let swept = rig.sweep(&mover, &on_level(0.0), v(x, 12.0, 0.0), v(x + 0.2, 12.0, 0.0));
+        (
+            close(swept.position.origin(), v(x + 0.2, 12.0, 0.0)),
+            rig.scratch.touched.len(),
+        )
+    };
+    assert_eq!(met(own, 8.0), (true, 0));
+    // Who is not it, is met.
+    assert_eq!(met(other, 8.0), (false, 1));
+}
+
+#[test]
+fn s6_11_4_a_clipped_mover_is_moved_back_in_the_scale_of_the_world() {
+    // The wall of a model at 6 m from its origin, seen at a scale of 1/2 and 1.
+    for (scale, wall) in [(1.0, 12.0), (0.5, 9.0)] {
+        let mut rig = Rig::with_faces(&[wall_facing_west(18.0, [4.0, 20.0], [0.0, 8.0])]);
+        let id = rig.population.add(Body::player());
+        let world = &rig.world;
+        let fixed = world.static_object(world.statics_in(LAND)[0]).unwrap();
+        let frame = Frame::at(v(wall - 6.0 * scale, 12.0, 0.0));
+        let target = Target {
+            object: ObjectRef::Body(id),
+            cell: LAND,
+            frame: &frame,
+            scale,
+            state: SOLID | PhysicsState::HAS_PHYSICS_BSP,
+            kind: ObjectKind::NONE,
+            shape: &fixed.shape,
+            part_frames: &[frame],
+        };
+        let at = vestibule_world::Position::new(LAND, v(wall - 0.5, 12.0, 2.0));
+        let mut t = crate::sweep::begin(
+            world,
+            &rig.population,
+            &mut rig.scratch,
+            &missile(),
+            &Carried::default(),
+            &at,
+            crate::transition::InsertType::Transition,
+        );
+        t.path.add_offset_to_check_pos(v(0.4, 0.0, 0.0));
+        assert_eq!(
+            t.find_object_collisions(&target),
+            TransitionState::Adjusted,
+            "{scale}"
+        );
+        // It touches the wall with its radius of 0.3.
+        let x = t.path.check_pos.origin.x;
+        assert!((x - (wall - 0.3)).abs() < 0.01, "{scale}: {x}");
+    }
+}

@@ -136,3 +136,16 @@ fn s4_2_3_the_push_knows_the_landblock_of_the_plane() {
         assert!((lifted - expected).abs() < 1e-4, "{lifted} {expected}");
     }
 }
+
+#[test]
+fn s4_2_a_foot_in_the_floor_is_pushed_out_of_it_while_sliding_too() {
+    for sliding in [None, Some(-Vec3::X)] {
+        let carried = Carried {
+            sliding_normal: sliding,
+            ..on_level(5.1)
+        };
+        let (out, _, lifted) = adjusted(&carried, v(0.3, 0.4, 0.0));
+        assert_eq!(out.x == 0.0, sliding.is_some());
+        assert!((lifted - 0.1).abs() < 1e-4, "{lifted}");
+    }
+}

@@ -179,3 +179,40 @@ fn s8_4_9_a_path_clipped_mover_stops_at_the_cylinder() {
         assert!(close(t.info.collision.normal, n), "{from}");
     }
 }
+
+#[test]
+fn s8_3_7_s8_4_7_a_step_down_of_no_depth_ends_at_what_it_meets() {
+    // As deep in the target as an overlap begins, 0.205 mm: a fraction of such a step, if that were asked.
+    let gap = 0.000_205;
+    let meet = |amount: f32, cylinder: bool| {
+        let mut rig = Rig::flat();
+        let over = if cylinder { 0.48 + 0.5 } else { 0.98 };
+        let mut t = beside(&mut rig, &walker(), &on_level(0.0), v(0.0, 0.0, over - gap));
+        t.path.step_down = true;
+        (t.path.step_down_amt, t.path.walk_interp) = (amount, 1.0);
+        if cylinder {
+            t.intersects_cylsphere(&post(0.5), &Frame::IDENTITY)
+        } else {
+            t.intersects_sphere(&Sphere::new(TARGET, 0.5), false)
+        }
+    };
+    for cylinder in [false, true] {
+        assert_eq!(meet(0.000_199, cylinder), TransitionState::Collided);
+        assert_eq!(meet(0.000_21, cylinder), TransitionState::Adjusted);
+    }
+}
+
+#[test]
+fn s8_3_5_a_head_slides_by_its_own_way() {
+    // The mover leans over as it goes: its head has come further than its foot.
+    let mut rig = Rig::flat();
+    let mut t = beside(&mut rig, &walker(), &on_level(0.0), v(-1.2, 0.0, -0.875));
+    t.path.add_offset_to_check_pos(v(0.1, 0.05, 0.0));
+    t.path.global_sphere[1].center += v(0.2, 0.1, 0.0);
+    let before = t.path.check_pos.origin;
+    let ts = t.intersects_sphere(&Sphere::new(TARGET, 0.5), false);
+    assert_eq!(ts, TransitionState::Slid);
+    // What is left of 0.3 along the normal is nothing.
+    let moved = t.path.check_pos.origin - before;
+    assert!((moved.x + 0.3).abs() < 1e-4, "{moved}");
+}

@@ -171,7 +171,7 @@ impl FrameView {
             let flood = self.look_ins.list[at].flood;
             self.draw_cells(flood, source, camera);
         }
-        if self.box_in_view(&building_bounds(building), place.eye, camera) != InView::Outside {
+        if self.box_in_view(&building.bounds, place.eye, camera) != InView::Outside {
             self.commands.push(Command::Light(LightSet::Sun));
             self.commands.push(Command::Building {
                 block,
@@ -225,7 +225,7 @@ fn block_bounds(block: &Landblock, land: &Land) -> BoundingBox {
         max: Vec3::new(BLOCK, BLOCK, high),
     };
     for building in &block.buildings {
-        let b = building_bounds(building);
+        let b = building.bounds;
         bounds.grow(b.min);
         bounds.grow(b.max);
     }
@@ -236,19 +236,4 @@ fn block_bounds(block: &Landblock, land: &Land) -> BoundingBox {
         }
     }
     bounds
-}
-
-fn building_bounds(building: &Building) -> BoundingBox {
-    let mut out = BoundingBox {
-        min: building.frame.origin,
-        max: building.frame.origin,
-    };
-    for (part, frame) in building.shape.parts.iter().zip(&building.part_frames) {
-        if let Some(model) = &part.model {
-            let b = model.bounds.mapped(|p| frame.local_to_global(p * part.scale));
-            out.grow(b.min);
-            out.grow(b.max);
-        }
-    }
-    out
 }

@@ -13,6 +13,7 @@ use vestibule::view::{Camera, retail_fov_y};
 use vestibule::walker::Walker;
 use vestibule::world::{CellId, Position, World, adjust_position};
 
+use super::gpu::Graphics;
 use super::place::{Place, join_place, parse_place};
 use super::visible::parse_direction;
 use crate::ui::{Context, Usage, count, hinted, style};
@@ -21,13 +22,15 @@ use crate::ui::{Context, Usage, count, hinted, style};
 ///
 /// With a position alone a player stands there and the chase camera looks from behind it, facing as the position's
 /// rotation says (north without one). With --eye and --look the eye is wherever it is put. What is drawn is decided by
-/// the portal traversal; --everything draws all loaded cells by depth alone, to compare.
+/// the portal traversal; --everything draws all loaded cells by depth alone, to compare. Pictures are drawn on the graphics
+/// card if there is one and this program was built for it, those of --ids and --everything always on the processor.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   vestibule render \"0xA9B40031 [155.4 22 94.1] 0 0 0 1\" -o door.png
   vestibule render --eye \"0xA9B40101 [156.4 12.9 95.7]\" --look=-0.2,1,0 -o out.png
   vestibule render --eye \"0xA9B40101 [156.4 12.9 95.7]\" --look=-0.2,1,0 --ids -o ids.png
+  vestibule render \"0xA9B40031 [155.4 22 94.1]\" --cpu -o repeatable.png
   vestibule render \"0xA9B40031 [155.4 22 94.1]\" --time 0.76 --size 320x180 --fov 60 -o evening.png
 
 In the picture of --ids a pixel's red, green and blue are the low 24 bits of the cell whose surface won it; shells of
@@ -125,7 +128,7 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         }
     };
     let started = Instant::now();
-    let (image, ids) = draw(&studio, &shot, args)?;
+    let (image, ids, drawn_by) = draw(&studio, &shot, args)?;
     let took = started.elapsed().as_secs_f64() * 1e3;
     write(&image, &args.output)?;
     let eye = Position::new(shot.camera.cell(), shot.camera.eye());
@@ -147,7 +150,7 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
             .map(|(cell, n)| json!({ "cell": cell.to_string(), "pixels": n }))
             .collect();
         return context.print_json(&json!({
-            "written": args.output, "width": args.size.0, "height": args.size.1, "renderer": "cpu",
+            "written": args.output, "width": args.size.0, "height": args.size.1, "renderer": if drawn_by.is_some() { "gpu" } else { "cpu" }, "adapter": drawn_by,
             "milliseconds": took, "eye": eye.to_string(), "player": player.map(|p| p.to_string()),
             "path": format!("{:?}", shot.frame.path()), "placeholders": missing,
             "cells": args.ids.then_some(cells), "clear_pixels": args.ids.then_some(clear),
@@ -197,27 +200,44 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     }
     writeln!(
         out,
-        "drawn on the processor in {took:.0} ms\nwritten {}",
+        "drawn {} in {took:.0} ms\nwritten {}",
+        drawn_by.map_or_else(|| "on the processor".to_owned(), |name| format!("by {name},")),
         args.output.display()
     )?;
     Ok(())
 }
 
-fn draw(studio: &Studio<'_>, shot: &Shot, args: &Args) -> anyhow::Result<(Image, Option<IdImage>)> {
+/// The picture, its ids if they are asked for, and the name of the adapter if one drew it.
+fn draw(
+    studio: &Studio<'_>,
+    shot: &Shot,
+    args: &Args,
+) -> anyhow::Result<(Image, Option<IdImage>, Option<String>)> {
+    if cfg!(feature = "explore") && !args.cpu && !args.ids && !args.everything {
+        let drawn = Graphics::open().and_then(|g| Ok((g.picture(studio, shot)?, g.name())));
+        match drawn {
+            Ok((image, name)) => return Ok((image, None, Some(name))),
+            Err(why) => anstream::eprintln!(
+                "{}notice{:#}: {why}; drawing on the processor",
+                style::WARN,
+                style::WARN
+            ),
+        }
+    }
     if !args.ids {
         let image = if args.everything {
             studio.everything(shot)?
         } else {
             studio.picture(shot)?
         };
-        return Ok((image, None));
+        return Ok((image, None, None));
     }
     let ids = if args.everything {
         studio.everything_ids(shot)?
     } else {
         studio.ids(shot)?
     };
-    Ok((ids.to_image()?, Some(ids)))
+    Ok((ids.to_image()?, Some(ids), None))
 }
 
 /// Writes a picture beside its place first, so that a failure leaves no half of it.

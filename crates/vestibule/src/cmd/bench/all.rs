@@ -12,6 +12,7 @@ use vestibule::world::World;
 use vestibule_bench::figures::{self, Figure};
 
 use super::{render, sweep, view};
+use crate::cmd::gpu_cost::Costs;
 use crate::ui::{Context, Spinner, open_dats, style};
 
 /// Worlds of the vectors that have a walking workload.
@@ -21,7 +22,8 @@ const SWEEPS: u64 = 200_000;
 
 /// Measure every figure that the project states, on this machine
 ///
-/// The machine first; then opening, touring and drawing the embedded world; with --vectors sweeps, traversals and the
+/// The machine first; then opening, touring and drawing the embedded world, on the graphics card too where that is
+/// built in; with --vectors sweeps, traversals and the
 /// score on the vectors' worlds; last a world of retail size, which is built into a folder (180 MB), opened, walked,
 /// streamed and filled with crowds. That takes minutes; --quick leaves it out.
 #[derive(clap::Args)]
@@ -219,12 +221,37 @@ fn embedded(found: &mut dyn FnMut(&'static str, Figure)) -> anyhow::Result<()> {
             None,
         ),
     );
-    for times in render::measure(dats, "it", (640, 480), 50, 1)? {
+    for times in render::measure(dats.clone(), "it", (640, 480), 50, 1)? {
         let name = format!("640 x 480 on the processor, {}", times.group);
         let value = format!("{:.1} ms median, {:.1} ms most", times.median(), times.most());
         found(group, figure(&name, value, None));
     }
+    match render::on_graphics(dats, "it", true, (1280, 720), 1)? {
+        Ok(costs) => with_costs(&costs, found),
+        Err(why) => found(group, figure("frames by the graphics card", why, None)),
+    }
     Ok(())
+}
+
+fn with_costs(costs: &Costs, found: &mut dyn FnMut(&'static str, Figure)) {
+    let group = "graphics card";
+    let drawn = if costs.software { " in software" } else { "" };
+    found(
+        group,
+        figure("adapter", format!("{}{drawn}", costs.adapter), None),
+    );
+    for v in &costs.views {
+        let value = format!(
+            "{:.2} ms of the processor, {} draws, {:.1} frames/s; everything {:.2} ms, {} draws, {:.1} frames/s",
+            v.processor_ms,
+            v.draws,
+            v.frames_per_second,
+            v.everything_ms,
+            v.everything_draws,
+            v.everything_frames_per_second
+        );
+        found(group, figure(&v.name, value, Some("0.5 ms")));
+    }
 }
 
 fn with_vectors(

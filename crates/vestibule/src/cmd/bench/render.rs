@@ -13,29 +13,42 @@ use vestibule::view::{Camera, retail_fov_y};
 use vestibule::world::World;
 
 use super::view::{cameras, cells_of};
+use crate::cmd::gpu::Graphics;
+use crate::cmd::gpu_cost::Costs;
 use crate::cmd::render::parse_size;
 use crate::ui::{Align, Context, Progress, Table, style};
 
-/// Time pictures of the reference renderer, on one thread
+/// Time pictures: of the reference renderer on the processor, and what a frame costs on the graphics card
 ///
-/// Indoors from random eyes as `bench view` has them, outdoors from the place where visitors of the embedded world
-/// begin, all around. Each picture is drawn once to load what it needs, then timed.
+/// On the processor indoors from random eyes as `bench view` has them, outdoors from the place where visitors of the
+/// embedded world begin, all around; each picture is drawn once to load what it needs, then timed. With the graphics card
+/// the processor's time a frame, from the start of the traversal to the return of the submit, and frames a second, drawing
+/// what the traversal reaches and drawing everything around. A program built without the window has no such figures.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   vestibule bench render
+  vestibule bench render --cpu
   vestibule bench render --size 320x240 --eyes 20 --json")]
 pub(crate) struct Args {
-    /// Size of the pictures, pixels
-    #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "640x480")]
-    size: (u32, u32),
+    /// Size of the pictures, pixels [default: 640x480, on the graphics card 1280x720]
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<(u32, u32)>,
     /// Number of eyes indoors
     #[arg(long, value_name = "N", default_value_t = 50)]
     eyes: usize,
     /// Seed of the eyes
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Leave out the graphics card
+    #[arg(long)]
+    cpu: bool,
 }
+
+/// Size of pictures by the processor, and by the graphics card.
+const SIZES: [(u32, u32); 2] = [(640, 480), (1280, 720)];
+/// Eyes of a world that names no views.
+const OTHER_EYES: usize = 4;
 
 /// Times of a group of pictures, milliseconds, in order.
 pub(super) struct Times {
@@ -59,14 +72,25 @@ impl Times {
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let name = context.world_name();
-    let all = measure(context.dats()?, &name, args.size, args.eyes, args.seed)?;
-    let (w, h) = args.size;
+    let size = args.size.unwrap_or(SIZES[0]);
+    let all = measure(context.dats()?, &name, size, args.eyes, args.seed)?;
+    let (w, h) = size;
+    let graphics = if args.cpu {
+        Err("left out".to_owned())
+    } else {
+        let embedded = context.folder().is_none();
+        let size = args.size.unwrap_or(SIZES[1]);
+        on_graphics(context.dats()?, &name, embedded, size, args.seed)?
+    };
     if context.json {
         let groups: Vec<_> = all
             .iter()
             .map(|t| json!({ "eyes": t.group, "pictures": t.count(), "median_ms": t.median(), "most_ms": t.most() }))
             .collect();
-        return context.print_json(&json!({ "width": w, "height": h, "renderer": "cpu", "groups": groups }));
+        return context.print_json(
+            &json!({ "width": w, "height": h, "renderer": "cpu", "groups": groups,
+            "gpu": graphics.as_ref().ok(), "no_gpu": graphics.as_ref().err() }),
+        );
     }
     let out = &mut context.out;
     writeln!(
@@ -91,7 +115,80 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
         ]);
     }
     table.write(out)?;
+    match graphics {
+        Ok(costs) => write_costs(out, &costs)?,
+        Err(_) if args.cpu => {}
+        Err(why) => writeln!(out, "\nno figures of the graphics card: {why}")?,
+    }
     Ok(())
+}
+
+fn write_costs(out: &mut impl Write, costs: &Costs) -> std::io::Result<()> {
+    let (head, (w, h)) = (style::HEAD, costs.size);
+    let software = if costs.software {
+        "; it draws in software, on the processor that is timed"
+    } else {
+        ""
+    };
+    writeln!(out, "\n{head}{w} x {h}{head:#} by {}{software}", costs.adapter)?;
+    let mut table = Table::new(&[
+        ("view", Align::Left),
+        ("processor ms", Align::Right),
+        ("traversal", Align::Right),
+        ("submit", Align::Right),
+        ("draws", Align::Right),
+        ("frames/s", Align::Right),
+        ("everything ms", Align::Right),
+        ("draws", Align::Right),
+        ("frames/s", Align::Right),
+    ]);
+    for v in &costs.views {
+        let ms = |v: f64| format!("{v:.2}");
+        let rate = |v: f64| format!("{v:.1}");
+        table.row([
+            v.name.clone(),
+            ms(v.processor_ms),
+            ms(v.traversal_ms),
+            ms(v.submit_ms),
+            v.draws.to_string(),
+            rate(v.frames_per_second),
+            ms(v.everything_ms),
+            v.everything_draws.to_string(),
+            rate(v.everything_frames_per_second),
+        ]);
+    }
+    table.write(out)
+}
+
+/// What frames cost on the graphics card, or why that is not known.
+pub(super) fn on_graphics(
+    dats: Arc<DatSet>,
+    name: &str,
+    embedded: bool,
+    size: (u32, u32),
+    seed: u64,
+) -> anyhow::Result<Result<Costs, String>> {
+    let graphics = match Graphics::open() {
+        Ok(graphics) => graphics,
+        Err(why) => return Ok(Err(why)),
+    };
+    let (world, others) = if embedded {
+        (World::open(dats)?, None)
+    } else {
+        let (world, cells) = cells_of(dats, name)?;
+        let viewport = Vec2::new(size.0 as f32, size.1 as f32);
+        let cameras = cameras(&world, &cells, OTHER_EYES, seed, viewport).into_iter();
+        let named = (1..).zip(cameras).map(|(k, c)| (format!("room {k}"), c));
+        (world, Some(named.collect()))
+    };
+    let mut progress = Progress::new("frames", OTHER_EYES as u64);
+    let mut done = 0;
+    let costs = graphics.costs(&world, size, others, &mut || {
+        done += 1;
+        progress.set(done);
+    });
+    // An adapter that fails has no figures.
+    Ok(costs.map_err(|e| format!("{}: {e}", graphics.name())))
 }
 
 /// Times pictures indoors, and outdoors where a place for that is known.

@@ -27,8 +27,9 @@ impl<'a> Picture<'a> {
         })
     }
 
-    /// The columns and rows the landscape can show in: the regions' bounds and a pixel around them.
-    pub(crate) fn sky_bounds(&self) -> [u32; 4] {
+    /// The columns and rows the landscape can show in (from, to, from, to): the regions' bounds and a pixel around
+    /// them.
+    pub fn sky_bounds(&self) -> [u32; 4] {
         let size = self.camera.viewport();
         let (width, height) = (size.x as u32, size.y as u32);
         let whole = [0, width, 0, height];
