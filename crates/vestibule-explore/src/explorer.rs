@@ -533,9 +533,8 @@ impl Explorer {
         let is_player = |c: &Command| matches!(c, Command::Object { id, .. } if *id == player);
         // An eye within the player's back sees what the traversal lets it see.
         let hidden = !frozen && !self.draws_player();
-        commands.retain(|c| {
-            !matches!(c, Command::Object { id, .. } if doors.hides(*id)) && !(hidden && is_player(c))
-        });
+        let away = |c: &Command| matches!(c, Command::Object { id, .. } if doors.hides(*id));
+        commands.retain(|c| !(away(c) || hidden && is_player(c)));
         self.commands = commands;
     }
 
