@@ -8,8 +8,8 @@
 
 use glam::Vec3;
 use vestibule_world::{
-    CellId, EnvCell, Frame, Landblock, PhysicsBsp, Plane, Position, ShadowLists, Sphere, StaticReach, World,
-    calm_in_room,
+    CellEntry, CellId, EnvCell, Frame, Landblock, PhysicsBsp, Plane, Position, ShadowLists, Sphere,
+    StaticReach, World, certain_rooms,
 };
 
 use crate::adjust_offset::along_planes;
@@ -22,7 +22,7 @@ use crate::polygon;
 use crate::population::Population;
 use crate::sphere_path::Arms;
 use crate::sweep::{Carried, ContactPlane, Mover, Scratch, Swept};
-use crate::transition::Calm;
+use crate::transition::BuiltArray;
 
 /// A floor found below a candidate.
 pub(crate) struct OpenFloor {
@@ -111,23 +111,35 @@ impl Candidate {
         (0..self.count).all(|i| bsp_tree::overlaps_nothing(bsp, &self.local(cell, i)))
     }
 
-    /// Whether the rest of a step down by `h` onto a floor finds nothing: another attempt, with `interp` left, and
-    /// the placement insertion.
+    /// Whether the rest of a step down onto a floor finds nothing of a cell: another attempt, which asks whether the
+    /// foot overlaps ground, and the placement insertion, which asks whether any sphere overlaps anything.
+    #[inline(always)]
+    pub(crate) fn rests_in(&self, cell: &EnvCell) -> bool {
+        (cell.hints.open_is_hollow() && self.is_in_the_open(cell)) || self.touches_nothing_solid(cell)
+    }
+
     #[inline(never)]
-    fn rests(&self, cell: &EnvCell, h: f32, interp: f32, z: f32) -> bool {
-        if !cell.hints.certainly_clear(&self.spheres[0])
-            && let Some(bsp) = &cell.structure.physics
-        {
-            let mut again = search_below(cell, self, h, interp, z);
-            bsp_tree::find_walkable(bsp, &mut again);
-            if again.found.is_some() {
-                return false;
-            }
-        }
+    fn touches_nothing_solid(&self, cell: &EnvCell) -> bool {
         let Some(bsp) = &cell.structure.physics else {
             return true;
         };
         (0..self.count).all(|i| !bsp_tree::sphere_intersects_solid(bsp, &self.local(cell, i), true))
+    }
+
+    /// As [`Candidate::rests_in`] for other cells that the candidate reaches, none of which keeps anyone out.
+    #[inline(always)]
+    pub(crate) fn rests_beside(&self, block: &Landblock, others: &[CellEntry]) -> bool {
+        others.iter().all(|entry| {
+            block
+                .env_cell(entry.id)
+                .is_some_and(|other| other.restriction.is_none() && self.rests_in(other))
+        })
+    }
+
+    /// Where its spheres are.
+    #[inline(always)]
+    pub(crate) fn centers(&self) -> [Vec3; 2] {
+        [self.spheres[0].center, self.spheres[1].center]
     }
 }
 
@@ -181,8 +193,7 @@ pub(crate) fn find_open_floor(
     }
     let offset = frame.local_to_global_vec(search.sphere.center - local.center);
     lowered.shift(offset);
-    let in_the_open = cell.hints.open_is_hollow() && lowered.is_in_the_open(cell);
-    if !in_the_open && !lowered.rests(cell, h, search.walk_interp, z) {
+    if !lowered.rests_in(cell) {
         return None;
     }
     let point = Vec3::ZERO + frame.local_to_global(face.plane.normal * -face.plane.d);
@@ -274,8 +285,8 @@ pub(crate) struct PlainStep<'a> {
     pub(crate) low: Vec3,
 }
 
-/// A sweep of one step by `offset` from `from`, if it is a usual one. `to` says how the mover ends up turned. `calm`
-/// takes what was found out about the candidate, for the longer way.
+/// A sweep of one step by `offset` from `from`, if it is a usual one. `to` says how the mover ends up turned. `built`
+/// takes what was found out about the candidate's cells, for the longer way.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "those of a sweep")]
 pub(crate) fn plain_step(
@@ -287,7 +298,7 @@ pub(crate) fn plain_step(
     from: &Position,
     to: &Position,
     offset: Vec3,
-    calm: &mut Calm,
+    built: &mut BuiltArray,
 ) -> Option<PlainEnd> {
     let contact = carried.contact.as_ref()?;
     let unusual = !carried.on_walkable
@@ -348,34 +359,48 @@ pub(crate) fn plain_step(
         low: low + v,
     };
     if from.cell.is_indoor() {
-        step.in_room(block, scratch, calm)
+        step.in_rooms(block, scratch, built)
     } else {
-        plain_step_on_land(&step, block, scratch, calm)
+        plain_step_on_land(&step, block, scratch, built)
     }
 }
 
 impl PlainStep<'_> {
+    /// In a room, and maybe partly in others of the landblock.
     #[inline(always)]
-    fn in_room(&self, block: &Landblock, scratch: &mut Scratch, calm: &mut Calm) -> Option<PlainEnd> {
+    fn in_rooms(&self, block: &Landblock, scratch: &mut Scratch, built: &mut BuiltArray) -> Option<PlainEnd> {
         let cell = block.env_cell(self.from.cell)?;
-        let to_cells = calm_in_room(block, cell, self.candidate.spheres());
-        *calm = Calm::around(cell.id, self.candidate.spheres[0].center, to_cells);
+        let to_cells = certain_rooms(block, cell, self.candidate.spheres(), &mut scratch.cell_array);
+        *built = BuiltArray::certain(cell.id, self.candidate.centers(), to_cells, &scratch.cell_array);
         if !(to_cells > 0.0) || cell.restriction.is_some() || !self.candidate.is_clear(cell) {
             return None;
         }
-        let objects = self.objects_around(block, cell.id, &self.candidate, false)?;
+        let others = scratch.cell_array.entries().get(1..)?;
+        let mut objects = self.objects_around(block, cell.id, &self.candidate, false)?;
+        for entry in others {
+            let other = block.env_cell(entry.id)?;
+            if other.restriction.is_some() || !self.candidate.is_clear(other) {
+                return None;
+            }
+            let d = self.objects_around(block, other.id, &self.candidate, false)?;
+            objects = if d < objects { d } else { objects };
+        }
         // The ground below (5.6).
         let h = self.search_depth();
         let mut lowered = self.candidate;
         lowered.shift(Vec3::new(0.0, 0.0, -h));
         let supported = self.mover.state.has(ObjectState::EDGE_SLIDE);
         let floor = find_open_floor(cell, &mut lowered, h, FLOOR_Z, supported)?;
-        if !self.candidate.is_within(&lowered, to_cells)
-            || !self.clears_objects(block, cell.id, (&self.candidate, objects), &lowered)
-        {
+        if !self.candidate.is_within(&lowered, to_cells) || !lowered.rests_beside(block, others) {
             return None;
         }
-        self.end(cell.id, &lowered, floor.plane, false, scratch)
+        if !self.candidate.is_within(&lowered, objects) {
+            let mut all = scratch.cell_array.entries().iter();
+            if !all.all(|entry| self.objects_around(block, entry.id, &lowered, true).is_some()) {
+                return None;
+            }
+        }
+        self.end(&lowered, floor.plane, false)
     }
 
     /// How far a pose may be shifted before it comes near an object, metres: zero when it is near some but clears
@@ -453,22 +478,11 @@ impl PlainStep<'_> {
 
     /// What the sweep comes to, unless it made no progress.
     #[inline(always)]
-    pub(crate) fn end(
-        &self,
-        cell: CellId,
-        pose: &Candidate,
-        plane: Plane,
-        is_water: bool,
-        scratch: &mut Scratch,
-    ) -> Option<PlainEnd> {
+    pub(crate) fn end(&self, pose: &Candidate, plane: Plane, is_water: bool) -> Option<PlainEnd> {
         let moved = (pose.origin - self.from.frame.origin).abs();
         if moved.x < EPSILON && moved.y < EPSILON && moved.z < EPSILON {
             return None;
         }
-        scratch.cell_array.start(cell, true);
-        scratch.cell_array.added_outside = !cell.is_indoor();
-        scratch.cell_array.do_not_load_cells = false;
-        scratch.touched.clear();
         Some(PlainEnd {
             origin: pose.origin,
             plane,

@@ -13,7 +13,7 @@ use crate::object_info::{ObjectInfo, is_walkable_z};
 use crate::plain_step::plain_step;
 use crate::population::{BodyId, Event, Population};
 use crate::sphere_path::SpherePath;
-use crate::transition::{BuiltArray, Calm, InsertType, StaticsCalm, Transition, calc_num_steps, cell_ref};
+use crate::transition::{BuiltArray, InsertType, StaticsCalm, Transition, calc_num_steps, cell_ref};
 
 /// A plane a body is in contact with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -188,6 +188,14 @@ impl Scratch {
         }
     }
 
+    /// Forgets the last sweep.
+    #[inline(always)]
+    pub(crate) fn start(&mut self) {
+        self.cell_array.clear();
+        self.cell_array.do_not_load_cells = false;
+        self.touched.clear();
+    }
+
     /// Puts back what a sweep left, for its write-back.
     pub(crate) fn resume(&mut self, cells: &[CellEntry], touched: &[Touch]) {
         self.cell_array.clear();
@@ -288,7 +296,8 @@ pub fn sweep(
             limit,
         });
     }
-    let mut calm = Calm::NONE;
+    scratch.start();
+    let mut built = BuiltArray::NONE;
     if plan.steps == 1
         && let Some(end) = plain_step(
             world,
@@ -299,7 +308,7 @@ pub fn sweep(
             from,
             to,
             plan.offset,
-            &mut calm,
+            &mut built,
         )
     {
         return Ok(end.swept(mover, carried, from.cell, to));
@@ -313,7 +322,7 @@ pub fn sweep(
         from,
         InsertType::Transition,
     );
-    transition.calm = calm;
+    transition.built = built;
     let ok = transition.find_valid_position(&plan);
     transition.outcome(ok, &to.frame)
 }
@@ -336,6 +345,7 @@ pub fn place(
 ) -> Result<Swept, SweepError> {
     let carried = Carried::default();
     check_input(mover, &carried, at)?;
+    scratch.start();
     let mut transition = begin(
         world,
         population,
@@ -396,7 +406,7 @@ fn find_bad_input(mover: &Mover, carried: &Carried, from: &Position) -> Result<(
     Err(SweepError::NotFinite { what })
 }
 
-/// A transition ready to run.
+/// A transition ready to run; `scratch` has been started.
 #[inline(always)]
 pub(crate) fn begin<'w, 's>(
     world: &'w World,
@@ -422,9 +432,6 @@ pub(crate) fn begin<'w, 's>(
     if let Some(n) = carried.sliding_normal {
         info.init_sliding_normal(n);
     }
-    scratch.cell_array.clear();
-    scratch.cell_array.do_not_load_cells = false;
-    scratch.touched.clear();
     let cell = cell_ref(world, at.cell);
     Transition {
         world,
@@ -435,7 +442,6 @@ pub(crate) fn begin<'w, 's>(
         info,
         cell_array: &mut scratch.cell_array,
         built: BuiltArray::NONE,
-        calm: Calm::NONE,
         keeps_shape: true,
         statics_calm: StaticsCalm {
             cell: CellId::NONE,
@@ -496,6 +502,7 @@ pub(crate) fn overlaps<'w>(
     at: &Position,
     target: &Target<'w>,
 ) -> bool {
+    scratch.start();
     let mut transition = begin(
         world,
         population,
