@@ -9,7 +9,7 @@
 use glam::Vec3;
 use vestibule_world::{
     CellEntry, CellId, EnvCell, Frame, Landblock, PhysicsBsp, Plane, Position, ShadowLists, Sphere,
-    StaticReach, World, certain_rooms,
+    StaticReach, TransitHints, World, certain_rooms,
 };
 
 use crate::adjust_offset::along_planes;
@@ -93,7 +93,11 @@ impl Candidate {
     /// Whether a moving insertion into the cell finds nothing.
     #[inline(always)]
     fn is_clear(&self, cell: &EnvCell) -> bool {
-        self.is_in_the_open(cell) || self.overlaps_nothing(cell)
+        self.is_in_the_open(cell) || {
+            // A copy, so that the candidate itself can stay in registers.
+            let at = *self;
+            at.overlaps_nothing(cell)
+        }
     }
 
     /// Whether the cell's box of open space holds all spheres.
@@ -115,7 +119,10 @@ impl Candidate {
     /// foot overlaps ground, and the placement insertion, which asks whether any sphere overlaps anything.
     #[inline(always)]
     pub(crate) fn rests_in(&self, cell: &EnvCell) -> bool {
-        (cell.hints.open_is_hollow() && self.is_in_the_open(cell)) || self.touches_nothing_solid(cell)
+        (cell.hints.open_is_hollow() && self.is_in_the_open(cell)) || {
+            let at = *self;
+            at.touches_nothing_solid(cell)
+        }
     }
 
     #[inline(never)]
@@ -129,11 +136,15 @@ impl Candidate {
     /// As [`Candidate::rests_in`] for other cells that the candidate reaches, none of which keeps anyone out.
     #[inline(always)]
     pub(crate) fn rests_beside(&self, block: &Landblock, others: &[CellEntry]) -> bool {
-        others.iter().all(|entry| {
-            block
-                .env_cell(entry.id)
-                .is_some_and(|other| other.restriction.is_none() && self.rests_in(other))
-        })
+        for entry in others {
+            let Some(other) = block.env_cell(entry.id) else {
+                return false;
+            };
+            if other.restriction.is_some() || !self.rests_in(other) {
+                return false;
+            }
+        }
+        true
     }
 
     /// Where its spheres are.
@@ -307,6 +318,7 @@ pub(crate) fn plain_step(
         || contact.cell.is_none()
         || contact.cell.block() != from.cell.block()
         || from.frame.rotation() != to.frame.rotation()
+        || carried.last_known.is_some()
         || world.settings().exact;
     if unusual {
         return None;
@@ -340,8 +352,17 @@ pub(crate) fn plain_step(
             }
         }
     }
+    origin += v;
+    // Zero unless a number is not finite: then the long way says which. Positions come in by the candidate.
+    let (n, q) = (contact.plane.normal, from.frame.rotation());
+    let slide = carried.sliding_normal.map_or(0.0, |n| n.x + n.y + n.z);
+    let sum = n.x + n.y + n.z + contact.plane.d + q.x + q.y + q.z + q.w + slide;
+    let sum = sum + mover.step_up_height + mover.step_down_height + origin.x + origin.y + origin.z;
+    if !(sum * 0.0 == 0.0) {
+        return None;
+    }
     let candidate = Candidate {
-        origin: origin + v,
+        origin,
         spheres: [
             Sphere::new(foot_center + v, foot.radius),
             Sphere::new(head + v, mover.spheres[1].radius),
@@ -365,12 +386,52 @@ pub(crate) fn plain_step(
     }
 }
 
+/// See [`PlainStep::objects_around`].
+#[inline(never)]
+fn statics_around(
+    world: &World,
+    lists: &ShadowLists,
+    cell: CellId,
+    pose: &Candidate,
+    placing: bool,
+) -> Option<f32> {
+    let least = distance_to_statics(lists, cell, pose.spheres());
+    if least > 0.0 {
+        return Some(least);
+    }
+    clears_statics(world, lists, cell, pose, placing).then_some(0.0)
+}
+
+/// Whether a pose that is near static objects certainly touches none of them.
+fn clears_statics(world: &World, lists: &ShadowLists, cell: CellId, pose: &Candidate, placing: bool) -> bool {
+    let larger = larger_radius(pose.spheres());
+    lists.with_reaches(cell).all(|(r, reach)| {
+        if distance_to_reach(reach, larger, pose.spheres()) > 0.0 {
+            return true;
+        }
+        let Some(object) = world.static_object(r) else {
+            return true;
+        };
+        let mut parts = object.shape.parts.iter().zip(&object.part_frames);
+        object.shape.has_physics_bsp
+            && object.cell.block() == cell.block()
+            && parts.all(|(part, frame)| {
+                let model = part.model.as_ref();
+                let Some((bsp, bound)) = model.and_then(|m| Some((m.physics.as_ref()?, m.physics_sphere?)))
+                else {
+                    return true;
+                };
+                part.scale.z == 1.0 && pose.clears_part(frame, bsp, &bound, placing)
+            })
+    })
+}
+
 impl PlainStep<'_> {
     /// In a room, and maybe partly in others of the landblock.
     #[inline(always)]
     fn in_rooms(&self, block: &Landblock, scratch: &mut Scratch, built: &mut BuiltArray) -> Option<PlainEnd> {
         let cell = block.env_cell(self.from.cell)?;
-        let to_cells = certain_rooms(block, cell, self.candidate.spheres(), &mut scratch.cell_array);
+        let to_cells = self.certain_rooms(block, cell, scratch);
         *built = BuiltArray::certain(cell.id, self.candidate.centers(), to_cells, &scratch.cell_array);
         if !(to_cells > 0.0) || cell.restriction.is_some() || !self.candidate.is_clear(cell) {
             return None;
@@ -403,6 +464,18 @@ impl PlainStep<'_> {
         self.end(&lowered, floor.plane, false)
     }
 
+    /// Fills the cell array; see [`certain_rooms`].
+    #[inline(always)]
+    fn certain_rooms(&self, block: &Landblock, cell: &EnvCell, scratch: &mut Scratch) -> f32 {
+        let [foot, head] = &self.candidate.spheres;
+        if cell.hints.is_quiet(foot) && (self.candidate.count < 2 || cell.hints.is_quiet(head)) {
+            scratch.cell_array.start(cell.id, true);
+            return TransitHints::QUIET_SHIFT;
+        }
+        let at = self.candidate;
+        certain_rooms(block, cell, at.spheres(), &mut scratch.cell_array)
+    }
+
     /// How far a pose may be shifted before it comes near an object, metres: zero when it is near some but clears
     /// them. `None` when it does not, or that is not easily told. `placing`: as a placement insertion asks.
     #[inline(always)]
@@ -420,37 +493,8 @@ impl PlainStep<'_> {
         if lists.is_empty_in(cell) {
             return Some(f32::INFINITY);
         }
-        let least = distance_to_statics(lists, cell, pose.spheres());
-        if least > 0.0 {
-            return Some(least);
-        }
-        self.clears_statics(lists, cell, pose, placing).then_some(0.0)
-    }
-
-    /// Whether a pose that is near static objects certainly touches none of them.
-    #[inline(never)]
-    fn clears_statics(&self, lists: &ShadowLists, cell: CellId, pose: &Candidate, placing: bool) -> bool {
-        let larger = larger_radius(pose.spheres());
-        lists.with_reaches(cell).all(|(r, reach)| {
-            if distance_to_reach(reach, larger, pose.spheres()) > 0.0 {
-                return true;
-            }
-            let Some(object) = self.world.static_object(r) else {
-                return true;
-            };
-            let mut parts = object.shape.parts.iter().zip(&object.part_frames);
-            object.shape.has_physics_bsp
-                && object.cell.block() == cell.block()
-                && parts.all(|(part, frame)| {
-                    let model = part.model.as_ref();
-                    let Some((bsp, bound)) =
-                        model.and_then(|m| Some((m.physics.as_ref()?, m.physics_sphere?)))
-                    else {
-                        return true;
-                    };
-                    part.scale.z == 1.0 && pose.clears_part(frame, bsp, &bound, placing)
-                })
-        })
+        let pose = *pose;
+        statics_around(self.world, lists, cell, &pose, placing)
     }
 
     /// Whether a placement insertion at `to` finds no object, given what [`PlainStep::objects_around`] said of `from`.

@@ -280,6 +280,34 @@ pub fn sweep(
     from: &Position,
     to: &Position,
 ) -> Result<Swept, SweepError> {
+    scratch.start();
+    let mut built = BuiltArray::NONE;
+    let offset = from.offset_to(to);
+    let radius = mover.spheres[0].radius;
+    // Certainly one step.
+    if offset.dot(offset) < 0.99 * (radius * radius)
+        && let Some(end) = plain_step(
+            world, population, scratch, mover, carried, from, to, offset, &mut built,
+        )
+    {
+        return Ok(end.swept(mover, carried, from.cell, to));
+    }
+    sweep_any(world, population, scratch, mover, carried, from, to, built)
+}
+
+/// The sweep by the rules. `built` is what is known of the cells around the candidate after the first step.
+#[inline(never)]
+#[expect(clippy::too_many_arguments, reason = "those of a sweep")]
+fn sweep_any(
+    world: &World,
+    population: &Population,
+    scratch: &mut Scratch,
+    mover: &Mover,
+    carried: &Carried,
+    from: &Position,
+    to: &Position,
+    built: BuiltArray,
+) -> Result<Swept, SweepError> {
     check_input(mover, carried, from)?;
     if !is_finite(to) {
         return Err(SweepError::NotFinite {
@@ -295,23 +323,6 @@ pub fn sweep(
             steps: plan.steps,
             limit,
         });
-    }
-    scratch.start();
-    let mut built = BuiltArray::NONE;
-    if plan.steps == 1
-        && let Some(end) = plain_step(
-            world,
-            population,
-            scratch,
-            mover,
-            carried,
-            from,
-            to,
-            plan.offset,
-            &mut built,
-        )
-    {
-        return Ok(end.swept(mover, carried, from.cell, to));
     }
     let mut transition = begin(
         world,

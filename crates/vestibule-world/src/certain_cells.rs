@@ -8,7 +8,7 @@ use crate::geometry::Sphere;
 use crate::ids::CellId;
 use crate::landblock::Landblock;
 use crate::terrain::{LandCell, Split};
-use crate::transit_hints::UNIT_TOLERANCE;
+use crate::transit_hints::{TransitHints, UNIT_TOLERANCE};
 use crate::world::World;
 
 /// Fills `array` with what [`crate::find_cell_list`] would, if that is certain, and says how far `spheres` may be
@@ -31,24 +31,24 @@ pub fn certain_cells(world: &World, seed: CellId, spheres: &[Sphere], array: &mu
 }
 
 /// As [`certain_cells`] from an env cell of a landblock: rooms of the same landblock only.
-#[inline(always)]
+#[inline(never)]
 pub fn certain_rooms(block: &Landblock, cell: &EnvCell, spheres: &[Sphere], array: &mut CellArray) -> f32 {
     array.start(cell.id, true);
-    match cell.hints.quiet_distance(spheres) {
-        Some(distance) => distance,
-        None => match flood(block, cell, spheres, array) {
-            Some(distance) if distance > 0.0 => distance,
-            _ => {
-                array.clear();
-                0.0
-            }
-        },
+    if !spheres.is_empty() && spheres.iter().all(|s| cell.hints.is_quiet(s)) {
+        return TransitHints::QUIET_SHIFT;
+    }
+    match flood(block, cell, spheres, array) {
+        Some(distance) if distance > 0.0 => distance,
+        _ => {
+            array.clear();
+            0.0
+        }
     }
 }
 
 /// The flood of `find_cell_list` through rooms, in its order. Each test along the way limits the shift to one that
 /// does not change its answer.
-#[inline(never)]
+#[inline]
 fn flood(block: &Landblock, seed: &EnvCell, spheres: &[Sphere], array: &mut CellArray) -> Option<f32> {
     if array.do_not_load_cells {
         return None;

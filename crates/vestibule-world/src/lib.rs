@@ -32,6 +32,7 @@
 mod adjust_position;
 mod aperture_tree;
 mod assets;
+mod box_quads;
 mod cell_array;
 mod cell_bsp;
 mod cell_manager;
@@ -50,7 +51,6 @@ mod loader;
 pub mod lscape;
 mod open_box;
 mod physics_bsp;
-mod plane_quads;
 mod polygon;
 mod position;
 mod records;

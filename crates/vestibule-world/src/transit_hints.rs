@@ -103,23 +103,23 @@ impl TransitHints {
         }
     }
 
-    /// How far spheres may be shifted together and touch this cell only, with the first centre inside, metres, where
-    /// that is plain from a glance.
+    /// Whether a sphere in the frame of the cell's landblock is plainly so far from all other cells that it touches
+    /// this one only, its centre inside, also when it is shifted by [`TransitHints::QUIET_SHIFT`].
     #[inline(always)]
-    pub(crate) fn quiet_distance(&self, spheres: &[Sphere]) -> Option<f32> {
+    pub fn is_quiet(&self, s: &Sphere) -> bool {
         let BoundingBox { min, max } = &self.quiet.0;
-        let is_quiet = |s: &Sphere| {
-            let c = s.center;
-            s.radius <= QUIET_RADIUS
-                && c.x > min.x
-                && c.x < max.x
-                && c.y > min.y
-                && c.y < max.y
-                && c.z > min.z
-                && c.z < max.z
-        };
-        (!spheres.is_empty() && spheres.iter().all(is_quiet)).then_some(QUIET * UNIT_TOLERANCE)
+        let c = s.center;
+        s.radius <= QUIET_RADIUS
+            && c.x > min.x
+            && c.x < max.x
+            && c.y > min.y
+            && c.y < max.y
+            && c.z > min.z
+            && c.z < max.z
     }
+
+    /// See [`TransitHints::is_quiet`], metres.
+    pub const QUIET_SHIFT: f32 = QUIET * UNIT_TOLERANCE;
 
     /// How far spheres may be shifted together and certainly stay away from portal `index` and what it leads to,
     /// metres. Zero or less: nothing is certain.
