@@ -8,18 +8,20 @@
 
 use glam::Vec3;
 use vestibule_world::{
-    CellEntry, CellId, EnvCell, Frame, Landblock, PhysicsBsp, Plane, Position, ShadowLists, Sphere,
-    StaticReach, TransitHints, World, certain_rooms,
+    CellEntry, CellId, CylSphere, EnvCell, Frame, Landblock, PhysicsBsp, Plane, Position, ShadowLists,
+    Sphere, StaticObject, StaticReach, TransitHints, World, certain_rooms,
 };
 
 use crate::adjust_offset::along_planes;
 use crate::bsp_tree::{self, WalkableSearch};
 use crate::constants::{EPSILON, FLOOR_Z};
+use crate::cylsphere::overlaps_cylinder;
 use crate::flags::{ObjectState, PhysicsState};
 use crate::math::{length, normalised};
 use crate::plain_land::plain_step_on_land;
 use crate::polygon;
 use crate::population::Population;
+use crate::sphere::overlaps_sphere;
 use crate::sphere_path::Arms;
 use crate::sweep::{Carried, ContactPlane, Mover, Scratch, Swept};
 use crate::transition::BuiltArray;
@@ -412,18 +414,36 @@ fn clears_statics(world: &World, lists: &ShadowLists, cell: CellId, pose: &Candi
         let Some(object) = world.static_object(r) else {
             return true;
         };
-        let mut parts = object.shape.parts.iter().zip(&object.part_frames);
-        object.shape.has_physics_bsp
-            && object.cell.block() == cell.block()
-            && parts.all(|(part, frame)| {
-                let model = part.model.as_ref();
-                let Some((bsp, bound)) = model.and_then(|m| Some((m.physics.as_ref()?, m.physics_sphere?)))
-                else {
-                    return true;
-                };
-                part.scale.z == 1.0 && pose.clears_part(frame, bsp, &bound, placing)
-            })
+        object.cell.block() == cell.block() && clears_object(object, pose, placing)
     })
+}
+
+/// Whether a pose certainly does not touch a static object of its landblock: by the one kind of shape that counts
+/// (8.2).
+fn clears_object(object: &StaticObject, pose: &Candidate, placing: bool) -> bool {
+    let shape = &object.shape;
+    if shape.has_physics_bsp {
+        return shape.parts.iter().zip(&object.part_frames).all(|(part, frame)| {
+            let model = part.model.as_ref();
+            let Some((bsp, bound)) = model.and_then(|m| Some((m.physics.as_ref()?, m.physics_sphere?)))
+            else {
+                return true;
+            };
+            part.scale.z == 1.0 && pose.clears_part(frame, bsp, &bound, placing)
+        });
+    }
+    let place = |p: Vec3| Vec3::ZERO + object.frame.local_to_global(p);
+    if shape.cylspheres.is_empty() {
+        let place = |s: &Sphere| Sphere::new(place(s.center), s.radius);
+        let mut spheres = shape.spheres.iter().map(place);
+        return !spheres.any(|s| overlaps_sphere(&s, &pose.spheres, pose.count));
+    }
+    let place = |c: &CylSphere| CylSphere {
+        low_point: place(c.low_point),
+        ..*c
+    };
+    let mut cylinders = shape.cylspheres.iter().map(place);
+    !cylinders.any(|c| overlaps_cylinder(&c, &pose.spheres, pose.count))
 }
 
 impl PlainStep<'_> {
