@@ -271,6 +271,8 @@ impl Swept {
 ///
 /// # Errors
 /// Input that is not finite, or a move of more steps than [`crate::Settings::max_steps`].
+// Out of line the result is written where the caller wants it; inlined it would be copied.
+#[inline(never)]
 pub fn sweep(
     world: &World,
     population: &Population,
