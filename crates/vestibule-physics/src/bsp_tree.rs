@@ -72,21 +72,61 @@ pub(crate) fn sphere_intersects_poly<'b>(
 /// Whether the sphere overlaps no polygon, moved into or not.
 #[inline(always)]
 pub(crate) fn overlaps_nothing(bsp: &PhysicsBsp, s: &Sphere) -> bool {
-    let mut named = None;
-    !sphere_intersects_poly(bsp, s, Vec3::ZERO, &mut named) && named.is_none()
+    !sphere_intersects_solid(bsp, s, false)
 }
 
 #[inline(never)]
 fn finds_poly<'b>(bsp: &'b PhysicsBsp, s: &Sphere, movement: Vec3, named: &mut Option<&'b Face>) -> bool {
-    match hits(bsp, s, false, |_| true) {
-        Hits::None => return false,
-        Hits::One(face, overlap) if is_sure(bsp, face, overlap, s) => {
-            *named = Some(face);
-            return movement.dot(face.plane.normal) < 0.0;
-        }
-        _ => {}
+    let mut hits = SureHits::default();
+    let unsure = bsp.any_face_near(s, false, |face| {
+        let overlap = polygon::overlap(face, bsp.edges(face), s);
+        overlap != Overlap::None && !(is_sure(bsp, face, overlap, s) && hits.add(face))
+    });
+    if unsure != Some(false) {
+        return intersects_poly(bsp, bsp.root, s, movement, named);
     }
-    intersects_poly(bsp, bsp.root, s, movement, named)
+    for face in hits.in_order() {
+        *named = Some(face);
+        if movement.dot(face.plane.normal) < 0.0 {
+            return true;
+        }
+    }
+    false
+}
+
+/// A few polygons that a walk is certain to find, in the order in which it finds them.
+#[derive(Default)]
+struct SureHits<'b> {
+    faces: [Option<&'b Face>; 6],
+    count: usize,
+}
+
+impl<'b> SureHits<'b> {
+    /// `false`: there is no room, or the order is not certain.
+    #[inline]
+    fn add(&mut self, face: &'b Face) -> bool {
+        let mut i = self.count;
+        if i == self.faces.len() {
+            return false;
+        }
+        while let Some(Some(before)) = i.checked_sub(1).map(|k| self.faces[k]) {
+            if before.is_met_before(face) {
+                break;
+            }
+            if !face.is_met_before(before) {
+                return false;
+            }
+            self.faces[i] = Some(before);
+            i -= 1;
+        }
+        self.faces[i] = Some(face);
+        self.count += 1;
+        true
+    }
+
+    fn in_order(&self) -> impl Iterator<Item = &'b Face> {
+        self.faces.iter().map_while(|face| *face)
+    }
 }
 
 /// The polygons that a sphere overlaps, found without a walk.
@@ -102,8 +142,8 @@ enum Hits<'b> {
 #[inline]
 fn hits<'b>(bsp: &'b PhysicsBsp, s: &Sphere, only_up: bool, filter: impl Fn(&Face) -> bool) -> Hits<'b> {
     let mut hit = None;
-    let several = bsp.any_face_near(s.center, s.radius - EPSILON, only_up, |face| {
-        if !filter(face) || face.is_beyond(s) {
+    let several = bsp.any_face_near(s, only_up, |face| {
+        if !filter(face) {
             return false;
         }
         let overlap = polygon::overlap(face, bsp.edges(face), s);
@@ -180,8 +220,32 @@ pub(crate) struct WalkableSearch<'b> {
 
 /// Moves the sphere back along its movement onto every polygon level enough to stand on, one after the other
 /// (6.6.2). Never stops early: the last success wins, and each polygon sees the sphere as the last one left it.
-#[inline(never)]
+#[inline(always)]
 pub(crate) fn find_walkable<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>) {
+    let Some(face) = bsp.only_face_up().filter(|_| looks_up_only(search)) else {
+        return find_walkable_among(bsp, search);
+    };
+    // Most rooms have one floor only.
+    let edges = bsp.edges(face);
+    if !(search.up.dot(face.plane.normal) > search.walkable_allowance) {
+        return;
+    }
+    let overlap = polygon::overlap(face, edges, &search.sphere);
+    if overlap == Overlap::None {
+        return;
+    }
+    let before = (search.sphere, search.walk_interp);
+    if !rest_on(face, search) {
+        return;
+    }
+    let clear = polygon::overlap(face, edges, &search.sphere) == Overlap::None;
+    if !(clear && is_sure(bsp, face, overlap, &before.0)) {
+        walk_again(bsp, search, before);
+    }
+}
+
+#[inline(never)]
+fn find_walkable_among<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>) {
     match walkable_hits(bsp, search) {
         Hits::None => {}
         Hits::One(face, overlap) => {
@@ -192,31 +256,32 @@ pub(crate) fn find_walkable<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch
             // A walk reaches the face for certain; it finds no more if the moved sphere hits nothing.
             let clear = bsp.certainly_clear(search.sphere.center, search.sphere.radius)
                 || matches!(walkable_hits(bsp, search), Hits::None);
-            let alone = clear && is_sure(bsp, face, overlap, &before.0);
-            if !alone {
-                (search.sphere, search.walk_interp) = before;
-                search.found = None;
-                walkable_below(bsp, bsp.root, search);
+            if !(clear && is_sure(bsp, face, overlap, &before.0)) {
+                walk_again(bsp, search, before);
             }
         }
         Hits::Several => walkable_below(bsp, bsp.root, search),
     }
 }
 
+/// What is certain was not enough: the search by a walk, from where it began.
+#[inline(never)]
+fn walk_again<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>, before: (Sphere, f32)) {
+    (search.sphere, search.walk_interp) = before;
+    search.found = None;
+    walkable_below(bsp, bsp.root, search);
+}
+
+/// Whether faces that hardly look up are too steep for certain.
+#[inline(always)]
+fn looks_up_only(search: &WalkableSearch<'_>) -> bool {
+    search.up.z > 0.9999 && search.walkable_allowance > 0.08
+}
+
 /// The polygons level enough to stand on that the sphere of a search overlaps.
 fn walkable_hits<'b>(bsp: &'b PhysicsBsp, search: &WalkableSearch<'b>) -> Hits<'b> {
     let (up, allowance) = (search.up, search.walkable_allowance);
-    // Faces that hardly look up are then too steep for certain.
-    let only_up = up.z > 0.9999 && allowance > 0.08;
-    if only_up && let Some(face) = bsp.only_face_up() {
-        if !(up.dot(face.plane.normal) > allowance) {
-            return Hits::None;
-        }
-        return match polygon::overlap(face, bsp.edges(face), &search.sphere) {
-            Overlap::None => Hits::None,
-            overlap => Hits::One(face, overlap),
-        };
-    }
+    let only_up = looks_up_only(search);
     hits(bsp, &search.sphere, only_up, |face| {
         up.dot(face.plane.normal) > allowance
     })
@@ -331,14 +396,19 @@ pub(crate) fn sphere_intersects_solid(bsp: &PhysicsBsp, s: &Sphere, center_check
 
 #[inline(never)]
 fn finds_solid(bsp: &PhysicsBsp, s: &Sphere, center_check: bool) -> bool {
-    match hits(bsp, s, false, |_| true) {
-        Hits::None => {
-            return center_check && !bsp.is_certainly_hollow_at(s.center) && center_is_solid(bsp, s);
+    let mut hit = false;
+    let sure = bsp.any_face_near(s, false, |face| {
+        let overlap = polygon::overlap(face, bsp.edges(face), s);
+        hit |= overlap != Overlap::None;
+        overlap != Overlap::None && is_sure(bsp, face, overlap, s)
+    });
+    match sure {
+        Some(true) => true,
+        Some(false) if !hit => {
+            center_check && !bsp.is_certainly_hollow_at(s.center) && center_is_solid(bsp, s)
         }
-        Hits::One(face, overlap) if is_sure(bsp, face, overlap, s) => return true,
-        _ => {}
+        _ => solid(bsp, bsp.root, s, center_check),
     }
-    solid(bsp, bsp.root, s, center_check)
 }
 
 /// Whether the leaf on the centre's side of everything is solid and has polygons (6.3.2).

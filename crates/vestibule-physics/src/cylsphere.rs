@@ -1,7 +1,7 @@
 //! Objects made of upright cylinders (`transition.md` 8.4).
 
 use glam::Vec3;
-use vestibule_world::{CylSphere, Frame, Plane};
+use vestibule_world::{CylSphere, Frame, Plane, Sphere};
 
 use crate::constants::{EPSILON, SHAPE_INTERP_LIMIT};
 use crate::flags::ObjectState;
@@ -17,7 +17,32 @@ struct Cylinder {
     sum: f32,
 }
 
+/// Whether a mover with these spheres, `count` of them, overlaps a cylinder given in their frame (8.4): without that
+/// nothing happens.
+pub(crate) fn overlaps_cylinder(target: &CylSphere, spheres: &[Sphere; 2], count: usize) -> bool {
+    let (_, [foot, head]) = Cylinder::of(target, spheres).overlapped_by(spheres, count);
+    foot || head
+}
+
 impl Cylinder {
+    #[inline]
+    fn of(target: &CylSphere, spheres: &[Sphere; 2]) -> Self {
+        Cylinder {
+            low: target.low_point,
+            height: target.height,
+            sum: target.radius + spheres[0].radius - EPSILON,
+        }
+    }
+
+    /// Where the spheres are relative to the low point, and which of them overlap.
+    #[inline]
+    fn overlapped_by(&self, spheres: &[Sphere; 2], count: usize) -> ([Vec3; 2], [bool; 2]) {
+        let disp = [spheres[0].center - self.low, spheres[1].center - self.low];
+        let foot = self.overlaps(spheres[0].radius, disp[0]);
+        let head = count > 1 && self.overlaps(spheres[1].radius, disp[1]);
+        (disp, [foot, head])
+    }
+
     /// Whether a sphere of this radius overlaps, given its centre relative to the low point.
     #[inline]
     fn overlaps(&self, radius: f32, disp: Vec3) -> bool {
@@ -47,18 +72,8 @@ impl Transition<'_, '_> {
     /// object's own.
     pub(crate) fn intersects_cylsphere(&mut self, target: &CylSphere, frame: &Frame) -> TransitionState {
         let path = &self.path;
-        let [foot_sphere, head_sphere] = path.global_sphere;
-        let cylinder = Cylinder {
-            low: target.low_point,
-            height: target.height,
-            sum: target.radius + foot_sphere.radius - EPSILON,
-        };
-        let disp = [
-            foot_sphere.center - cylinder.low,
-            head_sphere.center - cylinder.low,
-        ];
-        let foot = cylinder.overlaps(foot_sphere.radius, disp[0]);
-        let head = path.num_sphere > 1 && cylinder.overlaps(head_sphere.radius, disp[1]);
+        let cylinder = Cylinder::of(target, &path.global_sphere);
+        let (disp, [foot, head]) = cylinder.overlapped_by(&path.global_sphere, path.num_sphere);
         let overlap = foot || head;
         let placing = path.insert_type == InsertType::Placement || path.obstruction_ethereal;
         if !overlap {

@@ -2,13 +2,13 @@
 //! [`crate::plain_step`].
 
 use glam::Vec3;
-use vestibule_world::{CellId, LandCell, Landblock, Plane, Water, calm_distance};
+use vestibule_world::{CellId, LandCell, Landblock, Plane, Water, certain_land_cell};
 
 use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS, SHAPE_INTERP_LIMIT, STEP_DOWN_ATTEMPTS};
 use crate::object_info::is_walkable_z;
 use crate::plain_step::{Candidate, PlainEnd, PlainStep};
 use crate::sweep::Scratch;
-use crate::transition::Calm;
+use crate::transition::BuiltArray;
 
 /// A candidate over terrain.
 struct OverLand<'a> {
@@ -76,7 +76,7 @@ pub(crate) fn plain_step_on_land(
     step: &PlainStep<'_>,
     block: &Landblock,
     scratch: &mut Scratch,
-    calm: &mut Calm,
+    built: &mut BuiltArray,
 ) -> Option<PlainEnd> {
     let id: CellId = step.from.cell;
     let cell = block.land_cell(id)?;
@@ -84,8 +84,9 @@ pub(crate) fn plain_step_on_land(
         .land
         .as_ref()
         .is_none_or(|land| land.water == Water::Entirely);
-    let to_cells = calm_distance(step.world, id, step.candidate.spheres());
-    *calm = Calm::around(id, step.candidate.spheres[0].center, to_cells);
+    let spheres = step.candidate.spheres();
+    let to_cells = certain_land_cell(step.world, block, id, cell, spheres, &mut scratch.cell_array);
+    *built = BuiltArray::certain(id, step.candidate.centers(), to_cells, &scratch.cell_array);
     if !(to_cells > 0.0) || cell.restriction.is_some() || cell.building.is_some() || drowned {
         return None;
     }
@@ -117,7 +118,7 @@ pub(crate) fn plain_step_on_land(
             return None;
         };
     }
-    step.end(id, &over.pose, over.contact?, cell.water != Water::Not, scratch)
+    step.end(&over.pose, over.contact?, cell.water != Water::Not)
 }
 
 /// Inserts until terrain is satisfied.

@@ -8,21 +8,23 @@
 
 use glam::Vec3;
 use vestibule_world::{
-    CellId, EnvCell, Frame, Landblock, PhysicsBsp, Plane, Position, ShadowLists, Sphere, StaticReach, World,
-    calm_in_room,
+    CellEntry, CellId, CylSphere, EnvCell, Frame, Landblock, PhysicsBsp, Plane, Position, ShadowLists,
+    Sphere, StaticObject, StaticReach, TransitHints, World, certain_rooms,
 };
 
 use crate::adjust_offset::along_planes;
 use crate::bsp_tree::{self, WalkableSearch};
 use crate::constants::{EPSILON, FLOOR_Z};
+use crate::cylsphere::overlaps_cylinder;
 use crate::flags::{ObjectState, PhysicsState};
 use crate::math::{length, normalised};
 use crate::plain_land::plain_step_on_land;
 use crate::polygon;
 use crate::population::Population;
+use crate::sphere::overlaps_sphere;
 use crate::sphere_path::Arms;
 use crate::sweep::{Carried, ContactPlane, Mover, Scratch, Swept};
-use crate::transition::Calm;
+use crate::transition::BuiltArray;
 
 /// A floor found below a candidate.
 pub(crate) struct OpenFloor {
@@ -93,7 +95,11 @@ impl Candidate {
     /// Whether a moving insertion into the cell finds nothing.
     #[inline(always)]
     fn is_clear(&self, cell: &EnvCell) -> bool {
-        self.is_in_the_open(cell) || self.overlaps_nothing(cell)
+        self.is_in_the_open(cell) || {
+            // A copy, so that the candidate itself can stay in registers.
+            let at = *self;
+            at.overlaps_nothing(cell)
+        }
     }
 
     /// Whether the cell's box of open space holds all spheres.
@@ -111,23 +117,42 @@ impl Candidate {
         (0..self.count).all(|i| bsp_tree::overlaps_nothing(bsp, &self.local(cell, i)))
     }
 
-    /// Whether the rest of a step down by `h` onto a floor finds nothing: another attempt, with `interp` left, and
-    /// the placement insertion.
-    #[inline(never)]
-    fn rests(&self, cell: &EnvCell, h: f32, interp: f32, z: f32) -> bool {
-        if !cell.hints.certainly_clear(&self.spheres[0])
-            && let Some(bsp) = &cell.structure.physics
-        {
-            let mut again = search_below(cell, self, h, interp, z);
-            bsp_tree::find_walkable(bsp, &mut again);
-            if again.found.is_some() {
-                return false;
-            }
+    /// Whether the rest of a step down onto a floor finds nothing of a cell: another attempt, which asks whether the
+    /// foot overlaps ground, and the placement insertion, which asks whether any sphere overlaps anything.
+    #[inline(always)]
+    pub(crate) fn rests_in(&self, cell: &EnvCell) -> bool {
+        (cell.hints.open_is_hollow() && self.is_in_the_open(cell)) || {
+            let at = *self;
+            at.touches_nothing_solid(cell)
         }
+    }
+
+    #[inline(never)]
+    fn touches_nothing_solid(&self, cell: &EnvCell) -> bool {
         let Some(bsp) = &cell.structure.physics else {
             return true;
         };
         (0..self.count).all(|i| !bsp_tree::sphere_intersects_solid(bsp, &self.local(cell, i), true))
+    }
+
+    /// As [`Candidate::rests_in`] for other cells that the candidate reaches, none of which keeps anyone out.
+    #[inline(always)]
+    pub(crate) fn rests_beside(&self, block: &Landblock, others: &[CellEntry]) -> bool {
+        for entry in others {
+            let Some(other) = block.env_cell(entry.id) else {
+                return false;
+            };
+            if other.restriction.is_some() || !self.rests_in(other) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Where its spheres are.
+    #[inline(always)]
+    pub(crate) fn centers(&self) -> [Vec3; 2] {
+        [self.spheres[0].center, self.spheres[1].center]
     }
 }
 
@@ -181,8 +206,7 @@ pub(crate) fn find_open_floor(
     }
     let offset = frame.local_to_global_vec(search.sphere.center - local.center);
     lowered.shift(offset);
-    let in_the_open = cell.hints.open_is_hollow() && lowered.is_in_the_open(cell);
-    if !in_the_open && !lowered.rests(cell, h, search.walk_interp, z) {
+    if !lowered.rests_in(cell) {
         return None;
     }
     let point = Vec3::ZERO + frame.local_to_global(face.plane.normal * -face.plane.d);
@@ -274,8 +298,8 @@ pub(crate) struct PlainStep<'a> {
     pub(crate) low: Vec3,
 }
 
-/// A sweep of one step by `offset` from `from`, if it is a usual one. `to` says how the mover ends up turned. `calm`
-/// takes what was found out about the candidate, for the longer way.
+/// A sweep of one step by `offset` from `from`, if it is a usual one. `to` says how the mover ends up turned. `built`
+/// takes what was found out about the candidate's cells, for the longer way.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "those of a sweep")]
 pub(crate) fn plain_step(
@@ -287,7 +311,7 @@ pub(crate) fn plain_step(
     from: &Position,
     to: &Position,
     offset: Vec3,
-    calm: &mut Calm,
+    built: &mut BuiltArray,
 ) -> Option<PlainEnd> {
     let contact = carried.contact.as_ref()?;
     let unusual = !carried.on_walkable
@@ -296,6 +320,7 @@ pub(crate) fn plain_step(
         || contact.cell.is_none()
         || contact.cell.block() != from.cell.block()
         || from.frame.rotation() != to.frame.rotation()
+        || carried.last_known.is_some()
         || world.settings().exact;
     if unusual {
         return None;
@@ -329,8 +354,17 @@ pub(crate) fn plain_step(
             }
         }
     }
+    origin += v;
+    // Zero unless a number is not finite: then the long way says which. Positions come in by the candidate.
+    let (n, q) = (contact.plane.normal, from.frame.rotation());
+    let slide = carried.sliding_normal.map_or(0.0, |n| n.x + n.y + n.z);
+    let sum = n.x + n.y + n.z + contact.plane.d + q.x + q.y + q.z + q.w + slide;
+    let sum = sum + mover.step_up_height + mover.step_down_height + origin.x + origin.y + origin.z;
+    if !(sum * 0.0 == 0.0) {
+        return None;
+    }
     let candidate = Candidate {
-        origin: origin + v,
+        origin,
         spheres: [
             Sphere::new(foot_center + v, foot.radius),
             Sphere::new(head + v, mover.spheres[1].radius),
@@ -348,34 +382,118 @@ pub(crate) fn plain_step(
         low: low + v,
     };
     if from.cell.is_indoor() {
-        step.in_room(block, scratch, calm)
+        step.in_rooms(block, scratch, built)
     } else {
-        plain_step_on_land(&step, block, scratch, calm)
+        plain_step_on_land(&step, block, scratch, built)
     }
 }
 
+/// See [`PlainStep::objects_around`].
+#[inline(never)]
+fn statics_around(
+    world: &World,
+    lists: &ShadowLists,
+    cell: CellId,
+    pose: &Candidate,
+    placing: bool,
+) -> Option<f32> {
+    let least = distance_to_statics(lists, cell, pose.spheres());
+    if least > 0.0 {
+        return Some(least);
+    }
+    clears_statics(world, lists, cell, pose, placing).then_some(0.0)
+}
+
+/// Whether a pose that is near static objects certainly touches none of them.
+fn clears_statics(world: &World, lists: &ShadowLists, cell: CellId, pose: &Candidate, placing: bool) -> bool {
+    let larger = larger_radius(pose.spheres());
+    lists.with_reaches(cell).all(|(r, reach)| {
+        if distance_to_reach(reach, larger, pose.spheres()) > 0.0 {
+            return true;
+        }
+        let Some(object) = world.static_object(r) else {
+            return true;
+        };
+        object.cell.block() == cell.block() && clears_object(object, pose, placing)
+    })
+}
+
+/// Whether a pose certainly does not touch a static object of its landblock: by the one kind of shape that counts
+/// (8.2).
+fn clears_object(object: &StaticObject, pose: &Candidate, placing: bool) -> bool {
+    let shape = &object.shape;
+    if shape.has_physics_bsp {
+        return shape.parts.iter().zip(&object.part_frames).all(|(part, frame)| {
+            let model = part.model.as_ref();
+            let Some((bsp, bound)) = model.and_then(|m| Some((m.physics.as_ref()?, m.physics_sphere?)))
+            else {
+                return true;
+            };
+            part.scale.z == 1.0 && pose.clears_part(frame, bsp, &bound, placing)
+        });
+    }
+    let place = |p: Vec3| Vec3::ZERO + object.frame.local_to_global(p);
+    if shape.cylspheres.is_empty() {
+        let place = |s: &Sphere| Sphere::new(place(s.center), s.radius);
+        let mut spheres = shape.spheres.iter().map(place);
+        return !spheres.any(|s| overlaps_sphere(&s, &pose.spheres, pose.count));
+    }
+    let place = |c: &CylSphere| CylSphere {
+        low_point: place(c.low_point),
+        ..*c
+    };
+    let mut cylinders = shape.cylspheres.iter().map(place);
+    !cylinders.any(|c| overlaps_cylinder(&c, &pose.spheres, pose.count))
+}
+
 impl PlainStep<'_> {
+    /// In a room, and maybe partly in others of the landblock.
     #[inline(always)]
-    fn in_room(&self, block: &Landblock, scratch: &mut Scratch, calm: &mut Calm) -> Option<PlainEnd> {
+    fn in_rooms(&self, block: &Landblock, scratch: &mut Scratch, built: &mut BuiltArray) -> Option<PlainEnd> {
         let cell = block.env_cell(self.from.cell)?;
-        let to_cells = calm_in_room(block, cell, self.candidate.spheres());
-        *calm = Calm::around(cell.id, self.candidate.spheres[0].center, to_cells);
+        let to_cells = self.certain_rooms(block, cell, scratch);
+        *built = BuiltArray::certain(cell.id, self.candidate.centers(), to_cells, &scratch.cell_array);
         if !(to_cells > 0.0) || cell.restriction.is_some() || !self.candidate.is_clear(cell) {
             return None;
         }
-        let objects = self.objects_around(block, cell.id, &self.candidate, false)?;
+        let others = scratch.cell_array.entries().get(1..)?;
+        let mut objects = self.objects_around(block, cell.id, &self.candidate, false)?;
+        for entry in others {
+            let other = block.env_cell(entry.id)?;
+            if other.restriction.is_some() || !self.candidate.is_clear(other) {
+                return None;
+            }
+            let d = self.objects_around(block, other.id, &self.candidate, false)?;
+            objects = if d < objects { d } else { objects };
+        }
         // The ground below (5.6).
         let h = self.search_depth();
         let mut lowered = self.candidate;
         lowered.shift(Vec3::new(0.0, 0.0, -h));
         let supported = self.mover.state.has(ObjectState::EDGE_SLIDE);
         let floor = find_open_floor(cell, &mut lowered, h, FLOOR_Z, supported)?;
-        if !self.candidate.is_within(&lowered, to_cells)
-            || !self.clears_objects(block, cell.id, (&self.candidate, objects), &lowered)
-        {
+        if !self.candidate.is_within(&lowered, to_cells) || !lowered.rests_beside(block, others) {
             return None;
         }
-        self.end(cell.id, &lowered, floor.plane, false, scratch)
+        if !self.candidate.is_within(&lowered, objects) {
+            let mut all = scratch.cell_array.entries().iter();
+            if !all.all(|entry| self.objects_around(block, entry.id, &lowered, true).is_some()) {
+                return None;
+            }
+        }
+        self.end(&lowered, floor.plane, false)
+    }
+
+    /// Fills the cell array; see [`certain_rooms`].
+    #[inline(always)]
+    fn certain_rooms(&self, block: &Landblock, cell: &EnvCell, scratch: &mut Scratch) -> f32 {
+        let [foot, head] = &self.candidate.spheres;
+        if cell.hints.is_quiet(foot) && (self.candidate.count < 2 || cell.hints.is_quiet(head)) {
+            scratch.cell_array.start(cell.id, true);
+            return TransitHints::QUIET_SHIFT;
+        }
+        let at = self.candidate;
+        certain_rooms(block, cell, at.spheres(), &mut scratch.cell_array)
     }
 
     /// How far a pose may be shifted before it comes near an object, metres: zero when it is near some but clears
@@ -395,37 +513,8 @@ impl PlainStep<'_> {
         if lists.is_empty_in(cell) {
             return Some(f32::INFINITY);
         }
-        let least = distance_to_statics(lists, cell, pose.spheres());
-        if least > 0.0 {
-            return Some(least);
-        }
-        self.clears_statics(lists, cell, pose, placing).then_some(0.0)
-    }
-
-    /// Whether a pose that is near static objects certainly touches none of them.
-    #[inline(never)]
-    fn clears_statics(&self, lists: &ShadowLists, cell: CellId, pose: &Candidate, placing: bool) -> bool {
-        let larger = larger_radius(pose.spheres());
-        lists.with_reaches(cell).all(|(r, reach)| {
-            if distance_to_reach(reach, larger, pose.spheres()) > 0.0 {
-                return true;
-            }
-            let Some(object) = self.world.static_object(r) else {
-                return true;
-            };
-            let mut parts = object.shape.parts.iter().zip(&object.part_frames);
-            object.shape.has_physics_bsp
-                && object.cell.block() == cell.block()
-                && parts.all(|(part, frame)| {
-                    let model = part.model.as_ref();
-                    let Some((bsp, bound)) =
-                        model.and_then(|m| Some((m.physics.as_ref()?, m.physics_sphere?)))
-                    else {
-                        return true;
-                    };
-                    part.scale.z == 1.0 && pose.clears_part(frame, bsp, &bound, placing)
-                })
-        })
+        let pose = *pose;
+        statics_around(self.world, lists, cell, &pose, placing)
     }
 
     /// Whether a placement insertion at `to` finds no object, given what [`PlainStep::objects_around`] said of `from`.
@@ -453,22 +542,11 @@ impl PlainStep<'_> {
 
     /// What the sweep comes to, unless it made no progress.
     #[inline(always)]
-    pub(crate) fn end(
-        &self,
-        cell: CellId,
-        pose: &Candidate,
-        plane: Plane,
-        is_water: bool,
-        scratch: &mut Scratch,
-    ) -> Option<PlainEnd> {
+    pub(crate) fn end(&self, pose: &Candidate, plane: Plane, is_water: bool) -> Option<PlainEnd> {
         let moved = (pose.origin - self.from.frame.origin).abs();
         if moved.x < EPSILON && moved.y < EPSILON && moved.z < EPSILON {
             return None;
         }
-        scratch.cell_array.start(cell, true);
-        scratch.cell_array.added_outside = !cell.is_indoor();
-        scratch.cell_array.do_not_load_cells = false;
-        scratch.touched.clear();
         Some(PlainEnd {
             origin: pose.origin,
             plane,

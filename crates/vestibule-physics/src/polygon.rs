@@ -30,7 +30,7 @@ pub(crate) fn polygon_hits_sphere(face: &Face, edges: &[FaceEdge], sphere: &Sphe
 }
 
 /// As [`polygon_hits_sphere`], saying how.
-#[inline]
+#[inline(always)]
 pub(crate) fn overlap(face: &Face, edges: &[FaceEdge], sphere: &Sphere) -> Overlap {
     let s = face.plane.dist(sphere.center);
     let rho = sphere.radius - EPSILON;
@@ -38,7 +38,7 @@ pub(crate) fn overlap(face: &Face, edges: &[FaceEdge], sphere: &Sphere) -> Overl
         return Overlap::None;
     }
     let point = sphere.center - face.plane.normal * s;
-    if is_inside(edges, point) {
+    if is_inside(face, edges, point) {
         Overlap::Inside(s.abs())
     } else if edges_reach(edges, point, rho * rho - s * s, false) {
         Overlap::Rim
@@ -48,8 +48,13 @@ pub(crate) fn overlap(face: &Face, edges: &[FaceEdge], sphere: &Sphere) -> Overl
 }
 
 /// Whether a point of the plane is on the inner side of all edges.
-#[inline]
-fn is_inside(edges: &[FaceEdge], point: Vec3) -> bool {
+#[inline(always)]
+fn is_inside(face: &Face, edges: &[FaceEdge], point: Vec3) -> bool {
+    face.certainly_inside(point) || is_inside_all(edges, point)
+}
+
+#[inline(never)]
+fn is_inside_all(edges: &[FaceEdge], point: Vec3) -> bool {
     edges.iter().all(|e| (point - e.start).dot(e.inward) >= 0.0)
 }
 
@@ -61,7 +66,7 @@ pub(crate) fn hits_deeper(face: &Face, edges: &[FaceEdge], sphere: &Sphere, less
 
 /// The loop over edges and corners that 6.5.1 and 6.7.1 share: whether `point` is within the square distance
 /// `reach` of the polygon, or else `fallback`.
-#[inline]
+#[inline(never)]
 fn edges_reach(edges: &[FaceEdge], point: Vec3, reach: f32, mut fallback: bool) -> bool {
     for (i, edge) in edges.iter().enumerate() {
         let w = point - edge.start;
@@ -99,7 +104,7 @@ pub(crate) fn walkable_hits_sphere(
 
 /// Moves the sphere back along `movement` until it touches the plane, if the fraction to undo is allowed;
 /// `walk_interp` takes what is left of the movement (6.6.1).
-#[inline]
+#[inline(always)]
 pub(crate) fn adjust_sphere_to_plane(
     plane: &Plane,
     sphere: &mut Sphere,
@@ -125,7 +130,7 @@ pub(crate) fn adjust_sphere_to_plane(
 }
 
 /// Whether the sphere, dropped onto the plane along `up`, is supported by the polygon (6.7.1).
-#[inline]
+#[inline(always)]
 pub(crate) fn check_walkable(face: &Face, edges: &[FaceEdge], sphere: &Sphere, up: Vec3) -> bool {
     support(face, edges, sphere.center, sphere.radius * sphere.radius, up)
 }
@@ -142,11 +147,11 @@ pub(crate) fn check_small_walkable(face: &Face, edges: &[FaceEdge], sphere: &Sph
     )
 }
 
-#[inline]
+#[inline(always)]
 fn support(face: &Face, edges: &[FaceEdge], center: Vec3, reach: f32, up: Vec3) -> bool {
     match drop_onto(&face.plane, center, up) {
         // Inside all edges the answer is yes, corners or not.
-        Some(point) => is_inside(edges, point) || edges_reach(edges, point, reach, true),
+        Some(point) => is_inside(face, edges, point) || edges_reach(edges, point, reach, true),
         None => false,
     }
 }

@@ -208,6 +208,7 @@ impl Rig {
         carried: &Carried,
         at: &Position,
     ) -> Transition<'_, '_> {
+        self.scratch.start();
         sweep::begin(
             &self.world,
             &self.population,

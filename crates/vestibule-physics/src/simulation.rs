@@ -389,7 +389,13 @@ impl Simulation {
                     self.moved.add(&now);
                 }
             }
-            Err(e) => self.note(m.id, Some(e)),
+            Err(e) => {
+                // As `Population::update` does.
+                if let Some(body) = self.population.body_mut(m.id) {
+                    body.halt();
+                }
+                self.note(m.id, Some(e));
+            }
         }
         self.events.extend_from_slice(self.scratch.events());
         again

@@ -8,6 +8,26 @@ use crate::flags::ObjectState;
 use crate::math::{length, normalised};
 use crate::transition::{InsertType, Transition, TransitionState};
 
+/// Whether a mover with these spheres, `count` of them, overlaps a sphere given in their frame (8.3): without that
+/// nothing happens.
+pub(crate) fn overlaps_sphere(target: &Sphere, spheres: &[Sphere; 2], count: usize) -> bool {
+    let (.., [foot, head]) = overlapped_by(target, spheres, count);
+    foot || head
+}
+
+/// Where a mover's spheres are relative to a sphere, how near its foot may come, and which of them overlap.
+#[inline]
+fn overlapped_by(target: &Sphere, spheres: &[Sphere; 2], count: usize) -> ([Vec3; 2], f32, [bool; 2]) {
+    let disp = [
+        spheres[0].center - target.center,
+        spheres[1].center - target.center,
+    ];
+    let sum = target.radius + spheres[0].radius - EPSILON;
+    let foot = length(disp[0]) <= sum;
+    let head = count > 1 && length(disp[1]) <= sum;
+    (disp, sum, [foot, head])
+}
+
 impl Transition<'_, '_> {
     /// Centre of sphere `i` at the accepted pose, in the frame of the candidate's landblock.
     #[inline]
@@ -24,10 +44,7 @@ impl Transition<'_, '_> {
     pub(crate) fn intersects_sphere(&mut self, target: &Sphere, is_creature: bool) -> TransitionState {
         let path = &self.path;
         let (c, rho) = (target.center, target.radius);
-        let disp = [path.global_sphere[0].center - c, path.global_sphere[1].center - c];
-        let sum = rho + path.global_sphere[0].radius - EPSILON;
-        let foot = length(disp[0]) <= sum;
-        let head = path.num_sphere > 1 && length(disp[1]) <= sum;
+        let (disp, sum, [foot, head]) = overlapped_by(target, &path.global_sphere, path.num_sphere);
         let overlap = foot || head;
         let collided_if = |hit| {
             if hit {

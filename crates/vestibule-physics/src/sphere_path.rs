@@ -85,7 +85,7 @@ pub(crate) struct Arms {
 }
 
 impl Arms {
-    #[inline]
+    #[inline(always)]
     pub(crate) fn of(frame: &Frame, spheres: &[Sphere; 2]) -> Self {
         let foot = spheres[0];
         let low = Vec3::new(foot.center.x, foot.center.y, foot.center.z - foot.radius);

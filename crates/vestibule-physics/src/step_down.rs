@@ -1,6 +1,7 @@
 //! Stepping up, stepping down and asking for ground (`transition.md` 5.7 to 5.9).
 
 use glam::Vec3;
+use vestibule_world::EnvCell;
 
 use crate::bsp_tree;
 use crate::constants::{
@@ -68,8 +69,8 @@ impl Transition<'_, '_> {
         ts == TransitionState::Ok
     }
 
-    /// Whether a step up certainly finds no ground: the candidate reaches nothing but its own room, and no floor of
-    /// it. Then the step up has been done, in vain.
+    /// Whether a step up certainly finds no ground: the candidate reaches nothing but rooms, and no floor of any.
+    /// Then the step up has been done, in vain.
     fn has_nothing_to_stand_on(&mut self, h: f32, z: f32) -> bool {
         let Some(CellRef::Env { cell, block }) = self.path.check_cell else {
             return false;
@@ -83,14 +84,29 @@ impl Transition<'_, '_> {
             return false;
         }
         self.build_cell_array(true);
-        if !self.is_calm() || !self.has_statics_afar(cell.id, block) {
+        if !self.is_array_certain() || !self.has_statics_afar(cell.id, block) {
             return false;
         }
-        if let Some(bsp) = &cell.structure.physics {
-            let at = self.path.candidate();
-            let mut search = search_below(cell, &at, h, 1.0, z);
-            bsp_tree::find_walkable(bsp, &mut search);
-            if search.found.is_some() {
+        let at = self.path.candidate();
+        let finds_floor = |cell: &EnvCell| {
+            cell.structure.physics.as_ref().is_some_and(|bsp| {
+                let mut search = search_below(cell, &at, h, 1.0, z);
+                bsp_tree::find_walkable(bsp, &mut search);
+                search.found.is_some()
+            })
+        };
+        if finds_floor(cell) {
+            return false;
+        }
+        for entry in self.other_rooms() {
+            let other = block.env_cell(entry.id);
+            let is_bare = |other: &EnvCell| {
+                let center = at.spheres[0].center;
+                other.restriction.is_none()
+                    && self.has_no_objects_near(other.id, block, center)
+                    && !finds_floor(other)
+            };
+            if !other.is_some_and(is_bare) {
                 return false;
             }
         }
@@ -101,8 +117,8 @@ impl Transition<'_, '_> {
         true
     }
 
-    /// As [`Transition::step_down`] where the candidate certainly comes to rest on a floor of its own room, in open
-    /// space; otherwise nothing is done. The polygon stood on is not noted.
+    /// As [`Transition::step_down`] where the candidate certainly comes to rest on a floor of its own room, touching
+    /// nothing else; otherwise nothing is done. The polygon stood on is not noted.
     fn step_down_in_the_open(&mut self, h: f32, z: f32) -> bool {
         let Some(CellRef::Env { cell, block }) = self.path.check_cell else {
             return false;
@@ -115,7 +131,8 @@ impl Transition<'_, '_> {
             || path.walkable_allowance != z
             || self.depth >= MAX_INSERTION_DEPTH
             || cell.restriction.is_some()
-            || !self.is_calm_in(cell.id)
+            || cell.id != path.check_pos.cell
+            || !self.is_array_certain()
         {
             return false;
         }
@@ -128,7 +145,14 @@ impl Transition<'_, '_> {
             return false;
         };
         let at = lowered.spheres[0].center;
-        if !self.calm.holds(cell.id, at) || !self.has_no_objects_near(cell.id, block, at) {
+        let others = self.other_rooms();
+        if !self.built.holds(cell.id, at)
+            || !lowered.rests_beside(block, others)
+            || !self.has_no_objects_near(cell.id, block, at)
+            || !others
+                .iter()
+                .all(|other| self.has_no_objects_near(other.id, block, at))
+        {
             return false;
         }
         self.path.neg_poly_hit = None;

@@ -13,7 +13,7 @@ use crate::object_info::{ObjectInfo, is_walkable_z};
 use crate::plain_step::plain_step;
 use crate::population::{BodyId, Event, Population};
 use crate::sphere_path::SpherePath;
-use crate::transition::{BuiltArray, Calm, InsertType, StaticsCalm, Transition, calc_num_steps, cell_ref};
+use crate::transition::{BuiltArray, InsertType, StaticsCalm, Transition, calc_num_steps, cell_ref};
 
 /// A plane a body is in contact with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -188,6 +188,14 @@ impl Scratch {
         }
     }
 
+    /// Forgets the last sweep.
+    #[inline(always)]
+    pub(crate) fn start(&mut self) {
+        self.cell_array.clear();
+        self.cell_array.do_not_load_cells = false;
+        self.touched.clear();
+    }
+
     /// Puts back what a sweep left, for its write-back.
     pub(crate) fn resume(&mut self, cells: &[CellEntry], touched: &[Touch]) {
         self.cell_array.clear();
@@ -263,6 +271,8 @@ impl Swept {
 ///
 /// # Errors
 /// Input that is not finite, or a move of more steps than [`crate::Settings::max_steps`].
+// Out of line the result is written where the caller wants it; inlined it would be copied.
+#[inline(never)]
 pub fn sweep(
     world: &World,
     population: &Population,
@@ -271,6 +281,34 @@ pub fn sweep(
     carried: &Carried,
     from: &Position,
     to: &Position,
+) -> Result<Swept, SweepError> {
+    scratch.start();
+    let mut built = BuiltArray::NONE;
+    let offset = from.offset_to(to);
+    let radius = mover.spheres[0].radius;
+    // Certainly one step.
+    if offset.dot(offset) < 0.99 * (radius * radius)
+        && let Some(end) = plain_step(
+            world, population, scratch, mover, carried, from, to, offset, &mut built,
+        )
+    {
+        return Ok(end.swept(mover, carried, from.cell, to));
+    }
+    sweep_any(world, population, scratch, mover, carried, from, to, built)
+}
+
+/// The sweep by the rules. `built` is what is known of the cells around the candidate after the first step.
+#[inline(never)]
+#[expect(clippy::too_many_arguments, reason = "those of a sweep")]
+fn sweep_any(
+    world: &World,
+    population: &Population,
+    scratch: &mut Scratch,
+    mover: &Mover,
+    carried: &Carried,
+    from: &Position,
+    to: &Position,
+    built: BuiltArray,
 ) -> Result<Swept, SweepError> {
     check_input(mover, carried, from)?;
     if !is_finite(to) {
@@ -288,22 +326,6 @@ pub fn sweep(
             limit,
         });
     }
-    let mut calm = Calm::NONE;
-    if plan.steps == 1
-        && let Some(end) = plain_step(
-            world,
-            population,
-            scratch,
-            mover,
-            carried,
-            from,
-            to,
-            plan.offset,
-            &mut calm,
-        )
-    {
-        return Ok(end.swept(mover, carried, from.cell, to));
-    }
     let mut transition = begin(
         world,
         population,
@@ -313,7 +335,7 @@ pub fn sweep(
         from,
         InsertType::Transition,
     );
-    transition.calm = calm;
+    transition.built = built;
     let ok = transition.find_valid_position(&plan);
     transition.outcome(ok, &to.frame)
 }
@@ -336,6 +358,7 @@ pub fn place(
 ) -> Result<Swept, SweepError> {
     let carried = Carried::default();
     check_input(mover, &carried, at)?;
+    scratch.start();
     let mut transition = begin(
         world,
         population,
@@ -396,7 +419,7 @@ fn find_bad_input(mover: &Mover, carried: &Carried, from: &Position) -> Result<(
     Err(SweepError::NotFinite { what })
 }
 
-/// A transition ready to run.
+/// A transition ready to run; `scratch` has been started.
 #[inline(always)]
 pub(crate) fn begin<'w, 's>(
     world: &'w World,
@@ -422,9 +445,6 @@ pub(crate) fn begin<'w, 's>(
     if let Some(n) = carried.sliding_normal {
         info.init_sliding_normal(n);
     }
-    scratch.cell_array.clear();
-    scratch.cell_array.do_not_load_cells = false;
-    scratch.touched.clear();
     let cell = cell_ref(world, at.cell);
     Transition {
         world,
@@ -435,7 +455,6 @@ pub(crate) fn begin<'w, 's>(
         info,
         cell_array: &mut scratch.cell_array,
         built: BuiltArray::NONE,
-        calm: Calm::NONE,
         keeps_shape: true,
         statics_calm: StaticsCalm {
             cell: CellId::NONE,
@@ -496,6 +515,7 @@ pub(crate) fn overlaps<'w>(
     at: &Position,
     target: &Target<'w>,
 ) -> bool {
+    scratch.start();
     let mut transition = begin(
         world,
         population,

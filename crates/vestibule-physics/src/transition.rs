@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 use vestibule_world::ids::block_offset;
-use vestibule_world::{CellArray, CellId, World, calm_distance, find_cell_list};
+use vestibule_world::{CellArray, CellEntry, CellId, World, certain_cells, find_cell_list};
 
 use crate::collision_info::CollisionInfo;
 use crate::constants::{EPSILON, MOVE_ATTEMPTS};
@@ -42,9 +42,15 @@ pub(crate) enum InsertType {
 pub(crate) struct BuiltArray {
     seed: CellId,
     centers: [Vec3; 2],
+    /// How far the spheres may be shifted together without changing anything, squared.
+    reach: f32,
+    /// The array lists the seed only.
+    alone: bool,
     want_cell: bool,
     containing: Option<CellId>,
     hits_interior: bool,
+    /// The seed that nothing was certain around the last time: then nothing is a little farther on.
+    failed_in: CellId,
 }
 
 impl BuiltArray {
@@ -52,10 +58,41 @@ impl BuiltArray {
     pub(crate) const NONE: BuiltArray = BuiltArray {
         seed: CellId::NONE,
         centers: [Vec3::NAN; 2],
+        reach: 0.0,
+        alone: false,
         want_cell: false,
         containing: None,
         hits_interior: false,
+        failed_in: CellId::NONE,
     };
+
+    /// The array that [`vestibule_world::certain_cells`] left, good for shifts of less than `distance`.
+    #[inline(always)]
+    pub(crate) fn certain(seed: CellId, centers: [Vec3; 2], distance: f32, array: &CellArray) -> Self {
+        if !(distance > 0.0) {
+            return BuiltArray {
+                failed_in: seed,
+                ..BuiltArray::NONE
+            };
+        }
+        BuiltArray {
+            seed,
+            centers,
+            reach: distance * distance,
+            alone: array.len() == 1,
+            want_cell: true,
+            containing: Some(seed),
+            hits_interior: seed.is_indoor(),
+            failed_in: CellId::NONE,
+        }
+    }
+
+    /// Whether the array is certainly right for a candidate in the cell `seed` whose foot sphere is at `foot`.
+    #[inline(always)]
+    pub(crate) fn holds(&self, seed: CellId, foot: Vec3) -> bool {
+        let shift = foot - self.centers[0];
+        self.seed == seed && shift.dot(shift) < self.reach
+    }
 }
 
 /// Where the mover is certainly out of reach of a cell's static objects.
@@ -65,54 +102,6 @@ pub(crate) struct StaticsCalm {
     pub(crate) center: Vec3,
     /// How far the foot sphere may have been shifted, squared.
     pub(crate) reach: f32,
-}
-
-/// Where the mover certainly touches one cell only, so that look-ups need not be made.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Calm {
-    cell: CellId,
-    /// The foot sphere's centre when this was found out.
-    center: Vec3,
-    /// How far it may have been shifted, squared.
-    reach: f32,
-    /// The cell array does not say so.
-    array_is_stale: bool,
-    /// Where it was asked for in vain.
-    failed_in: CellId,
-}
-
-impl Calm {
-    /// Nothing is certain.
-    pub(crate) const NONE: Calm = Calm {
-        cell: CellId::NONE,
-        center: Vec3::ZERO,
-        reach: 0.0,
-        array_is_stale: true,
-        failed_in: CellId::NONE,
-    };
-
-    /// What is known of a candidate whose foot sphere is at `center`: how far it may be shifted, if at all.
-    #[inline]
-    pub(crate) fn around(cell: CellId, center: Vec3, distance: f32) -> Self {
-        let (cell, failed_in) = if distance > 0.0 {
-            (cell, CellId::NONE)
-        } else {
-            (CellId::NONE, cell)
-        };
-        Calm {
-            cell,
-            center,
-            reach: distance * distance,
-            array_is_stale: true,
-            failed_in,
-        }
-    }
-
-    #[inline]
-    pub(crate) fn holds(&self, cell: CellId, center: Vec3) -> bool {
-        let shift = center - self.center;
-        self.cell == cell && shift.dot(shift) < self.reach
-    }
 }
 
 /// A sweep in progress. It reads the world and the population and writes only what it owns.
@@ -126,7 +115,6 @@ pub(crate) struct Transition<'w, 's> {
     /// Shared by all nested insertions; the cell found is not (5.3).
     pub(crate) cell_array: &'s mut CellArray,
     pub(crate) built: BuiltArray,
-    pub(crate) calm: Calm,
     pub(crate) statics_calm: StaticsCalm,
     /// The mover does not turn during the sweep.
     pub(crate) keeps_shape: bool,
@@ -185,84 +173,72 @@ impl<'w> Transition<'w, '_> {
         cell_ref(self.world, id)
     }
 
-    /// Whether the candidate certainly touches its own cell only.
+    /// Whether the cell array is certainly right for the candidate.
     #[inline(always)]
-    pub(crate) fn is_calm(&self) -> bool {
-        self.calm
+    pub(crate) fn is_array_certain(&self) -> bool {
+        self.built
             .holds(self.path.check_pos.cell, self.path.global_sphere[0].center)
     }
 
-    /// Whether the candidate certainly touches this cell only, which is its own.
+    /// Whether the candidate certainly touches its own cell only.
     #[inline(always)]
-    pub(crate) fn is_calm_in(&self, cell: CellId) -> bool {
-        cell == self.path.check_pos.cell && self.is_calm()
+    pub(crate) fn is_calm(&self) -> bool {
+        self.built.alone && self.is_array_certain()
+    }
+
+    /// The cells that the candidate touches besides its own, if the array is certain: rooms of the same landblock.
+    #[inline(always)]
+    pub(crate) fn other_rooms(&self) -> &[CellEntry] {
+        self.cell_array.entries().get(1..).unwrap_or(&[])
     }
 
     /// Rebuilds the cell array for the candidate; the cell that holds the foot sphere's centre if `want_cell`.
     #[inline(always)]
     pub(crate) fn build_cell_array(&mut self, want_cell: bool) -> Option<CellId> {
-        let seed = self.path.check_pos.cell;
-        if self.calm.holds(seed, self.path.global_sphere[0].center) {
-            if self.calm.array_is_stale {
-                self.start_calm_array(seed);
-            }
-            self.path.hits_interior_cell = seed.is_indoor();
-            return Some(seed);
+        if !self.is_array_certain() {
+            self.build_any_cell_array(want_cell);
         }
-        self.build_any_cell_array(want_cell)
-    }
-
-    #[inline(never)]
-    fn start_calm_array(&mut self, seed: CellId) {
-        self.cell_array.start(seed, true);
-        self.cell_array.added_outside = !seed.is_indoor();
-        self.built = BuiltArray::NONE;
-        self.calm.array_is_stale = false;
+        self.path.hits_interior_cell = self.built.hits_interior;
+        self.built.containing
     }
 
     /// An array that was built for the same candidate is the same again.
     #[inline(never)]
-    fn build_any_cell_array(&mut self, want_cell: bool) -> Option<CellId> {
-        let path = &mut self.path;
+    fn build_any_cell_array(&mut self, want_cell: bool) {
+        let path = &self.path;
         let seed = path.check_pos.cell;
         let spheres = &path.global_sphere[..path.num_sphere];
-        let [foot, head] = [path.global_sphere[0].center, path.global_sphere[1].center];
+        let centers = [path.global_sphere[0].center, path.global_sphere[1].center];
         let built = &self.built;
-        let same = built.seed == seed && built.centers == [foot, head] && (built.want_cell || !want_cell);
-        if !same || self.world.settings().exact {
-            // Where nothing was certain before, nothing is a little farther on.
-            let try_calm = self.keeps_shape && self.calm.failed_in != seed;
-            let distance = if try_calm {
-                calm_distance(self.world, seed, spheres)
-            } else {
-                0.0
-            };
-            self.calm.failed_in = seed;
-            if distance > 0.0 {
-                self.calm = Calm::around(seed, foot, distance);
-                self.path.hits_interior_cell = seed.is_indoor();
-                self.start_calm_array(seed);
-                return Some(seed);
-            }
-            let found = find_cell_list(
-                self.world,
-                seed,
-                path.check_pos.origin,
-                spheres,
-                self.cell_array,
-                want_cell,
-            );
-            self.calm.array_is_stale = true;
-            self.built = BuiltArray {
-                seed,
-                centers: [foot, head],
-                want_cell,
-                containing: found.containing,
-                hits_interior: found.hits_interior,
-            };
+        let same = built.seed == seed && built.centers == centers && (built.want_cell || !want_cell);
+        if same && !self.world.settings().exact {
+            return;
         }
-        path.hits_interior_cell = self.built.hits_interior;
-        self.built.containing
+        if self.keeps_shape && built.failed_in != seed {
+            let distance = certain_cells(self.world, seed, spheres, self.cell_array);
+            self.built = BuiltArray::certain(seed, centers, distance, self.cell_array);
+            if distance > 0.0 {
+                return;
+            }
+        }
+        let found = find_cell_list(
+            self.world,
+            seed,
+            path.check_pos.origin,
+            spheres,
+            self.cell_array,
+            want_cell,
+        );
+        self.built = BuiltArray {
+            seed,
+            centers,
+            reach: 0.0,
+            alone: false,
+            want_cell,
+            containing: found.containing,
+            hits_interior: found.hits_interior,
+            failed_in: seed,
+        };
     }
 
     /// Runs the sweep (3.3). `plan` comes from [`calc_num_steps`] and is not used by placements.

@@ -165,7 +165,8 @@ impl<'w> Workload<'w> {
         let moved = (to.origin() - walker.position.origin()).abs();
         let mut lost = false;
         if moved.x >= EPSILON || moved.y >= EPSILON || moved.z >= EPSILON {
-            let swept = sweep(
+            // Looked at where it is: a result is large.
+            let result = sweep(
                 self.world,
                 &self.population,
                 &mut self.scratch,
@@ -173,7 +174,11 @@ impl<'w> Workload<'w> {
                 &walker.carried,
                 &walker.position,
                 &to,
-            )?;
+            );
+            let swept = match &result {
+                Ok(swept) => swept,
+                Err(e) => return Err(*e),
+            };
             if swept.ok {
                 match swept.cell {
                     Some(cell) => {

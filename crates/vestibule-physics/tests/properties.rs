@@ -12,7 +12,7 @@ use records::{Builder, Room};
 use vestibule_dat::record::Stab;
 use vestibule_physics::{
     Body, Carried, ContactPlane, Locomotion, Motion, Mover, Placed, Placement, Population, Scratch,
-    SetPositionError, SweepError, Swept, place, sweep,
+    SetPositionError, Simulation, SweepError, Swept, place, sweep,
 };
 use vestibule_world::{BlockId, CellId, CylSphere, Frame, Plane, Position, Shape, Sphere, World};
 
@@ -503,6 +503,48 @@ fn bad_input_velocities_that_are_not_finite_stop_the_body() {
     let placement = Placement::at(ground(f32::NAN, 0.0));
     let placed = population.set_position(&world, &mut scratch, id, &placement);
     assert!(matches!(placed, Err(SweepError::NotFinite { .. })));
+}
+
+#[test]
+fn bad_input_a_refused_sweep_stops_the_body_alone_and_in_a_simulation() {
+    let world = yard().world();
+    let settings = vestibule_physics::Settings {
+        max_steps: 1,
+        ..Default::default()
+    };
+    let at = Placement::at(ground(3.0, 3.0));
+    let flight = v(30.0, 0.0, 10.0);
+    let quantum = 0.05;
+
+    let (mut population, mut scratch) = (Population::with_settings(settings), Scratch::new());
+    let id = population.add(Body::player());
+    population
+        .set_position(&world, &mut scratch, id, &at)
+        .unwrap()
+        .unwrap();
+    let body = population.body_mut(id).unwrap();
+    body.update_time = 0.0;
+    body.set_velocity(flight, 0.0);
+    let refused = population.update(&world, &mut scratch, id, quantum);
+    assert!(
+        matches!(refused, Err(SweepError::TooManySteps { .. })),
+        "{refused:?}"
+    );
+
+    let mut simulation = Simulation::with_population(Population::with_settings(settings), 1);
+    simulation.add(7, Body::player(), at);
+    simulation.step(&world, 0.0);
+    let now = simulation.now();
+    simulation.body_mut(7).unwrap().set_velocity(flight, now);
+    simulation.step(&world, quantum);
+    assert!(
+        matches!(simulation.problems(), [(7, SweepError::TooManySteps { .. })]),
+        "{:?}",
+        simulation.problems()
+    );
+    let (alone, among) = (population.body(id).unwrap(), simulation.body(7).unwrap());
+    assert_eq!((alone.velocity, alone.position()), (Vec3::ZERO, among.position()));
+    assert_eq!(among.velocity, Vec3::ZERO);
 }
 
 #[test]

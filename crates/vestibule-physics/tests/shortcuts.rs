@@ -81,6 +81,23 @@ impl Pair {
         let rooms: Vec<_> = block.env_cells().collect();
         if !rooms.is_empty() && (block.land.is_none() || draws.chance(0.67)) {
             let room = rooms[draws.below(rooms.len())];
+            // One in three stands in or near a doorway, where several cells count.
+            if let (true, Some(portal)) = (draws.chance(0.33), room.portals.first()) {
+                let portal = room
+                    .portals
+                    .get(draws.below(room.portals.len()))
+                    .unwrap_or(portal);
+                let corners = room.portal_vertices(portal);
+                if let Some(low) = corners
+                    .iter()
+                    .copied()
+                    .reduce(|a, b| if b.z < a.z { b } else { a })
+                {
+                    let middle = corners.iter().sum::<Vec3>() / corners.len() as f32;
+                    let at = Vec3::new(middle.x, middle.y, low.z + 0.1) + draws.point() * 0.7;
+                    return Some(Position::new(room.id, room.frame.local_to_global(at)));
+                }
+            }
             let bounds = room.structure.bounds?;
             let at = (bounds.min + bounds.max) * 0.5 + (bounds.max - bounds.min) * 0.5 * draws.point();
             let p = room.frame.local_to_global(at);

@@ -1,13 +1,10 @@
 //! `find_cell_list` (`world.md` 13): which cells spheres touch, and which cell holds the first centre.
 
 use crate::cell_array::CellArray;
-use crate::constants::SQUARE_LENGTH;
-use crate::env_cell::{EnvCell, PortalTarget};
+use crate::env_cell::EnvCell;
 use crate::geometry::{CylSphere, Sphere};
 use crate::ids::{CellId, block_offset};
-use crate::landblock::Landblock;
 use crate::position::Position;
-use crate::terrain::{LandCell, Split};
 use crate::transit::{add_all_outside_cells, find_transit_cells, from_env_cell};
 use crate::world::World;
 
@@ -115,74 +112,6 @@ fn from_resident_env_cell(
         prune_to_stab_list(world, seed, array);
     }
     list
-}
-
-/// How far `spheres` may be shifted together so that [`find_cell_list`] certainly answers with the seed cell
-/// alone, containing the first centre; metres, zero or less when nothing is certain. Much cheaper than the look-up
-/// itself.
-#[inline]
-pub fn calm_distance(world: &World, seed: CellId, spheres: &[Sphere]) -> f32 {
-    let Some(block) = world.block(seed.block()).filter(|_| !world.settings().exact) else {
-        return 0.0;
-    };
-    if seed.is_indoor() {
-        block
-            .env_cell(seed)
-            .map_or(0.0, |cell| calm_in_room(block, cell, spheres))
-    } else {
-        block
-            .land_cell(seed)
-            .map_or(0.0, |cell| calm_on_land(world, block, seed, cell, spheres))
-    }
-}
-
-/// As [`calm_distance`] in an env cell of a landblock.
-#[inline]
-pub fn calm_in_room(block: &Landblock, cell: &EnvCell, spheres: &[Sphere]) -> f32 {
-    cell.hints
-        .calm_distance(spheres, |index| match cell.portals.get(index)?.other {
-            PortalTarget::Cell(id) if id.block() == block.id => block.env_cell(id).map(|other| &other.hints),
-            _ => None,
-        })
-}
-
-/// As [`calm_distance`] in a land cell: from its borders, its diagonal and what is behind its building's portals.
-#[inline]
-fn calm_on_land(world: &World, block: &Landblock, seed: CellId, cell: &LandCell, spheres: &[Sphere]) -> f32 {
-    /// Many times the rounding of coordinates inside a landblock, metres.
-    const SLACK: f32 = 0.01;
-    let low = seed.low() - 1;
-    let (x0, y0) = (
-        f32::from(low >> 3) * SQUARE_LENGTH,
-        f32::from(low & 7) * SQUARE_LENGTH,
-    );
-    let mut least = f32::INFINITY;
-    for s in spheres {
-        let (u, v) = (s.center.x - x0, s.center.y - y0);
-        for d in [u, v, SQUARE_LENGTH - u, SQUARE_LENGTH - v] {
-            let d = d - s.radius - SLACK;
-            least = if d < least { d } else { least };
-        }
-    }
-    let Some(foot) = spheres.first() else { return 0.0 };
-    let (u, v) = (foot.center.x - x0, foot.center.y - y0);
-    let diagonal = match cell.split {
-        Split::SwNe => u - v,
-        Split::SeNw => u + v - SQUARE_LENGTH,
-    };
-    // The point must also keep to one side of the diagonal; its distance is 0.707 times this.
-    let d = diagonal.abs() * 0.7 - SLACK;
-    least = if d < least { d } else { least };
-    if let Some(building) = cell.building.and_then(|i| block.buildings.get(usize::from(i))) {
-        for portal in &building.portals {
-            let Some(behind) = world.env_cell(portal.other) else {
-                continue;
-            };
-            let d = behind.hints.outside_distance(spheres);
-            least = if d < least { d } else { least };
-        }
-    }
-    least
 }
 
 /// The overload for cylinders: spheres at their low points, at most ten (`world.md` 13).

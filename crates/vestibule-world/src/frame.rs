@@ -92,7 +92,7 @@ impl Frame {
     }
 
     /// A direction of the enclosing frame in local coordinates (retail `globaltolocalvec`).
-    #[inline]
+    #[inline(always)]
     pub fn global_to_local_vec(&self, v: Vec3) -> Vec3 {
         // Lane i is the dot product with row i, its terms added in order.
         let [a, b, c] = &self.columns;

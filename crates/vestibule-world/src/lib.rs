@@ -32,9 +32,11 @@
 mod adjust_position;
 mod aperture_tree;
 mod assets;
+mod box_quads;
 mod cell_array;
 mod cell_bsp;
 mod cell_manager;
+mod certain_cells;
 pub mod compile;
 pub mod constants;
 mod env_cell;
@@ -49,7 +51,6 @@ mod loader;
 pub mod lscape;
 mod open_box;
 mod physics_bsp;
-mod plane_quads;
 mod polygon;
 mod position;
 mod records;
@@ -71,12 +72,10 @@ pub use aperture_tree::ApertureTree;
 pub use cell_array::{CellArray, CellEntry};
 pub use cell_bsp::{CellBsp, Inside};
 pub use cell_manager::CellManager;
+pub use certain_cells::{certain_cells, certain_land_cell, certain_rooms};
 pub use env_cell::{CellPortal, CellStruct, EnvCell, PortalTarget};
 pub use error::{LoadProblem, ProblemKind, WorldError};
-pub use find_cell_list::{
-    CellList, MAX_CELL_LIST_CYLSPHERES, calm_distance, calm_in_room, find_cell_list,
-    find_cell_list_of_cylspheres,
-};
+pub use find_cell_list::{CellList, MAX_CELL_LIST_CYLSPHERES, find_cell_list, find_cell_list_of_cylspheres};
 pub use frame::{Frame, normalise};
 pub use geometry::{BoundingBox, CylSphere, Plane, Side, Sphere};
 pub use ids::{BlockId, CellId, LandCoord, ParseCellIdError};

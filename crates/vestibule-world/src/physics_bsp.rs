@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 
+use crate::box_quads::BoxQuads;
 use crate::constants::EPSILON;
 use crate::geometry::{BoundingBox, Plane, Side, Sphere};
 use crate::open_box::open_box;
-use crate::plane_quads::{PlaneQuad, only_face_up, plane_quads};
 use crate::polygon::PolygonSet;
 
 /// Where a child of a node is.
@@ -91,18 +91,38 @@ pub struct Face {
     /// The polygon lies where the tree says: whatever overlaps it by more than [`SURE_OVERLAP`] finds it by a
     /// walk.
     pub sound: bool,
-    /// Holds the polygon, and more: what does not reach it overlaps nothing. Endless unless the polygon is flat and
-    /// convex.
-    bound: Sphere,
+    /// The first and last time that a walk of everything, fronts first, comes by the polygon.
+    met: (u32, u32),
+    /// Points of the polygon's plane in this rectangle are certainly on the inner side of all edges.
+    inner: InnerRect,
+}
+
+/// A rectangle square to two axes; inside out when it holds nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct InnerRect {
+    /// Across the other axis; 0, 1 or 2.
+    axis: u32,
+    min: [f32; 2],
+    max: [f32; 2],
 }
 
 impl Face {
-    /// Whether a sphere certainly does not overlap the polygon, because it is too far from all of it.
+    /// Whether every walk that takes fronts first and finds both polygons finds this one first.
     #[inline(always)]
-    pub fn is_beyond(&self, s: &Sphere) -> bool {
-        let between = s.center - self.bound.center;
-        let reach = s.radius + self.bound.radius;
-        between.dot(between) > reach * reach
+    pub fn is_met_before(&self, other: &Face) -> bool {
+        self.met.1 < other.met.0
+    }
+
+    /// Whether a point of the polygon's plane is certainly on the inner side of all edges.
+    #[inline(always)]
+    pub fn certainly_inside(&self, p: Vec3) -> bool {
+        let InnerRect { axis, min, max } = &self.inner;
+        let (u, v) = match axis {
+            0 => (p.y, p.z),
+            1 => (p.x, p.z),
+            _ => (p.x, p.y),
+        };
+        u > min[0] && u < max[0] && v > min[1] && v < max[1]
     }
 }
 
@@ -129,12 +149,8 @@ pub struct PhysicsBsp {
     faces: Box<[Face]>,
     edges: Box<[FaceEdge]>,
     polygons: PolygonSet,
-    /// All faces, each polygon once; `None` for large trees.
-    quads: Option<Box<[PlaneQuad]>>,
-    /// How many of `quads` hold the faces that look up, which come first.
-    up_quads: usize,
-    /// The only face that looks up, if there is one and `quads` exists.
-    only_up: Option<u32>,
+    /// Which faces a sphere is near; `None` for large trees.
+    quads: Option<BoxQuads>,
     /// No polygon enters this box; empty (inside out) when there is none.
     open: BoundingBox,
     /// No leaf that is solid and has polygons reaches into `open`.
@@ -182,26 +198,28 @@ impl PhysicsBsp {
                 edge_count,
                 polygon: index,
                 sound: false,
-                bound: bound_of(&plane, vertices, &edges[first_edge as usize..]),
+                met: (0, u32::MAX),
+                inner: NO_RECT,
             });
         }
-        let (quads, up_quads) = plane_quads(&faces);
-        let only_up = quads.as_deref().and_then(|quads| only_face_up(quads, &faces));
-        let boxes: Vec<BoundingBox> = faces
-            .iter()
-            .filter_map(|f| {
-                BoundingBox::of(
-                    polygons
-                        .vertices(polygons.get(f.polygon as usize)?)
-                        .iter()
-                        .copied(),
-                )
-            })
-            .collect();
+        let mut boxes = Vec::with_capacity(faces.len());
+        let mut reaches = Vec::with_capacity(faces.len());
+        for face in &mut faces {
+            let polygon = polygons.get(face.polygon as usize);
+            let vertices = polygon.map_or(&[][..], |p| polygons.vertices(p));
+            let first = face.first_edge as usize;
+            let edges = &edges[first..first + face.edge_count as usize];
+            let around = BoundingBox::of(vertices.iter().copied());
+            boxes.extend(around);
+            let around = around.filter(|b| is_plain(&face.plane, b, vertices, edges));
+            face.inner = around.map_or(NO_RECT, |b| inner_rect(&face.plane, &b, edges));
+            reaches.push(around.map_or(ENDLESS, |b| BoundingBox {
+                min: b.min - Vec3::splat(REACH_SLACK),
+                max: b.max + Vec3::splat(REACH_SLACK),
+            }));
+        }
         let mut bsp = PhysicsBsp {
-            quads,
-            up_quads,
-            only_up,
+            quads: BoxQuads::new(&faces, &reaches),
             open: open_box(&boxes).unwrap_or(NO_BOX),
             open_is_hollow: false,
             root,
@@ -218,13 +236,11 @@ impl PhysicsBsp {
     /// Leaves only the tree itself: every question is answered by a walk.
     pub(crate) fn forget_hints(&mut self) {
         self.quads = None;
-        self.up_quads = 0;
-        self.only_up = None;
         self.open = NO_BOX;
         self.open_is_hollow = false;
         for face in &mut self.faces {
             face.sound = false;
-            face.bound = ENDLESS;
+            face.inner = NO_RECT;
         }
     }
 
@@ -232,7 +248,7 @@ impl PhysicsBsp {
     /// hollow.
     fn audit(&mut self) {
         if let Some(quads) = &self.quads {
-            let listed: Vec<u32> = quads.iter().flat_map(|q| q.faces).collect();
+            let listed: Vec<u32> = quads.quads.iter().flat_map(|q| q.faces).collect();
             for i in listed {
                 let Some(face) = self.faces.get(i as usize) else {
                     continue;
@@ -246,6 +262,42 @@ impl PhysicsBsp {
             }
         }
         self.open_is_hollow = self.is_hollow_below(self.root);
+        self.number_faces();
+    }
+
+    /// Notes when a walk of everything comes by each polygon.
+    fn number_faces(&mut self) {
+        let count = self.polygons.polygons().len();
+        let mut met: Vec<Option<(u32, u32)>> = vec![None; count];
+        let mut open = vec![self.root];
+        let mut now = 0;
+        for _ in 0..MAX_AUDIT_STEPS {
+            let Some(at) = open.pop() else {
+                for face in &mut self.faces {
+                    if let Some(Some(met)) = met.get(face.polygon as usize) {
+                        face.met = *met;
+                    }
+                }
+                return;
+            };
+            match at.kind() {
+                ChildKind::Absent => {}
+                ChildKind::Node(index) => {
+                    if let Some(node) = self.nodes.get(index) {
+                        open.extend([node.negative, node.positive]);
+                    }
+                }
+                ChildKind::Leaf(index) => {
+                    let faces = self.leaves.get(index).map_or(&[][..], |leaf| self.faces_of(leaf));
+                    for face in faces {
+                        now += 1;
+                        if let Some(met) = met.get_mut(face.polygon as usize) {
+                            *met = Some((met.map_or(now, |m| m.0), now));
+                        }
+                    }
+                }
+            }
+        }
     }
 
     /// Whether a walk below `at` finds the polygon `id` for every sphere that overlaps the piece `part` of it by
@@ -324,7 +376,7 @@ impl PhysicsBsp {
                     }
                 }
             }
-            if steps > 100_000 {
+            if steps > MAX_AUDIT_STEPS {
                 return false;
             }
         }
@@ -381,21 +433,20 @@ impl PhysicsBsp {
             && center.z + r < max.z
     }
 
-    /// Whether some polygon whose plane is within `reach` of `center` passes `test`. With `only_up` polygons that
+    /// Whether some polygon near a sphere passes `test`; those that it overlaps are near. With `only_up` polygons that
     /// hardly look up (normal z under 0.05) may be left out. `None` when the tree is too large for that to be
     /// quicker than a walk.
     #[inline]
     pub fn any_face_near<'b>(
         &'b self,
-        center: Vec3,
-        reach: f32,
+        s: &Sphere,
         only_up: bool,
         mut test: impl FnMut(&'b Face) -> bool,
     ) -> Option<bool> {
-        let quads = self.quads.as_ref()?;
-        let count = if only_up { self.up_quads } else { quads.len() };
-        for quad in quads.get(..count).unwrap_or(quads) {
-            let mut near = quad.near(center, reach);
+        let known = self.quads.as_ref()?;
+        let count = if only_up { known.up } else { known.quads.len() };
+        for quad in known.quads.get(..count).unwrap_or(&known.quads) {
+            let mut near = quad.near(s.center, s.radius);
             while near != 0 {
                 let k = near.trailing_zeros() as usize;
                 near &= near - 1;
@@ -411,7 +462,7 @@ impl PhysicsBsp {
     /// The face that looks up, if there is only one: normal z at least 0.05.
     #[inline(always)]
     pub fn only_face_up(&self) -> Option<&Face> {
-        self.faces.get(self.only_up? as usize)
+        self.faces.get(self.quads.as_ref()?.only_up? as usize)
     }
 
     /// Whether a point is certainly not in a leaf that is solid and has polygons.
@@ -455,16 +506,17 @@ impl PhysicsBsp {
     }
 }
 
-/// Reaches everything.
-const ENDLESS: Sphere = Sphere::new(Vec3::ZERO, f32::INFINITY);
+/// Reaches everything; not infinite, so that it has a middle.
+const ENDLESS: BoundingBox = BoundingBox {
+    min: Vec3::splat(f32::MIN / 4.0),
+    max: Vec3::splat(f32::MAX / 4.0),
+};
 
-/// See [`Face::is_beyond`].
-fn bound_of(plane: &Plane, vertices: &[Vec3], edges: &[FaceEdge]) -> Sphere {
-    /// Many times the rounding of the tests, metres.
-    const SLACK: f32 = 0.01;
-    let Some(around) = BoundingBox::of(vertices.iter().copied()) else {
-        return ENDLESS;
-    };
+/// How far the box that stands for a polygon reaches beyond it: many times the rounding of the tests, metres.
+const REACH_SLACK: f32 = 0.01;
+
+/// Whether a polygon is flat, convex and of a usual size, so that what overlaps it is near it.
+fn is_plain(plane: &Plane, around: &BoundingBox, vertices: &[Vec3], edges: &[FaceEdge]) -> bool {
     let small = around.min.abs().max_element() < 64.0 && around.max.abs().max_element() < 64.0;
     let unit = (plane.normal.dot(plane.normal) - 1.0).abs() < 1e-4;
     let sharp = edges.iter().any(|e| e.inward.dot(e.inward) < 1e-4);
@@ -475,17 +527,64 @@ fn bound_of(plane: &Plane, vertices: &[Vec3], edges: &[FaceEdge]) -> Sphere {
                 .iter()
                 .all(|e| (v - e.start).dot(e.inward) >= -1e-5 * e.inward.dot(e.inward))
     });
-    if !(small && unit && convex) || sharp {
-        return ENDLESS;
-    }
-    let center = (around.min + around.max) * 0.5;
-    let mut farthest = 0.0;
-    for &v in vertices {
-        let d = (v - center).dot(v - center);
-        farthest = if d > farthest { d } else { farthest };
-    }
-    Sphere::new(center, libm::sqrtf(farthest) + SLACK)
+    small && unit && convex && !sharp
 }
+
+/// Holds nothing.
+const NO_RECT: InnerRect = InnerRect {
+    axis: 0,
+    min: [f32::INFINITY; 2],
+    max: [f32::NEG_INFINITY; 2],
+};
+
+/// A rectangle inside a plain polygon, if one fits around its middle.
+fn inner_rect(plane: &Plane, around: &BoundingBox, edges: &[FaceEdge]) -> InnerRect {
+    /// How far it stays away from the edges: many times the rounding of the tests, metres.
+    const MARGIN: f32 = 2e-3;
+    let n = plane.normal;
+    let axis = (0..3).fold(0, |k, i| if n[i].abs() > n[k].abs() { i } else { k });
+    let (u, v) = [(1, 2), (0, 2), (0, 1)][axis];
+    let inside = |r: &InnerRect| {
+        let corners = [
+            (r.min[0], r.min[1]),
+            (r.max[0], r.min[1]),
+            (r.min[0], r.max[1]),
+            (r.max[0], r.max[1]),
+        ];
+        r.min[0] < r.max[0]
+            && r.min[1] < r.max[1]
+            && corners.iter().all(|&(a, b)| {
+                let mut p = Vec3::ZERO;
+                (p[u], p[v]) = (a, b);
+                p[axis] = -(n[u] * a + n[v] * b + plane.d) / n[axis];
+                edges.iter().all(|e| {
+                    let far = MARGIN * 0.5 * libm::sqrtf(e.inward.dot(e.inward));
+                    (p - e.start).dot(e.inward) > far
+                })
+            })
+    };
+    let (lo, hi) = (around.min, around.max);
+    let rect = |share: f32| {
+        let side = |i: usize| {
+            let (middle, half) = ((lo[i] + hi[i]) * 0.5, (hi[i] - lo[i]) * 0.5 * share - MARGIN);
+            (middle - half, middle + half)
+        };
+        let ((u0, u1), (v0, v1)) = (side(u), side(v));
+        InnerRect {
+            axis: axis as u32,
+            min: [u0, v0],
+            max: [u1, v1],
+        }
+    };
+    [1.0, 0.8, 0.6, 0.5]
+        .into_iter()
+        .map(rect)
+        .find(inside)
+        .unwrap_or(NO_RECT)
+}
+
+/// Damaged trees may have endless ways through them.
+const MAX_AUDIT_STEPS: u32 = 100_000;
 
 /// Smaller spheres are not said to be clear.
 pub(crate) const LEAST_CLEAR_RADIUS: f32 = 0.06;

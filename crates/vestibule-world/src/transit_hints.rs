@@ -103,57 +103,67 @@ impl TransitHints {
         }
     }
 
-    /// How far spheres at these places may be shifted together and still touch this cell only, with the first
-    /// centre inside, metres. Zero or less: nothing is certain. `beyond` gives the hints of what a portal leads to.
-    #[inline]
-    pub(crate) fn calm_distance<'a>(
-        &self,
-        spheres: &[Sphere],
-        beyond: impl Fn(usize) -> Option<&'a TransitHints>,
-    ) -> f32 {
-        /// Nearer than this a neighbour is looked at closely, metres.
-        const NEAR: f32 = 0.1;
-        let Some(foot) = spheres.first() else {
-            return 0.0;
-        };
+    /// Whether a sphere in the frame of the cell's landblock is plainly so far from all other cells that it touches
+    /// this one only, its centre inside, also when it is shifted by [`TransitHints::QUIET_SHIFT`].
+    #[inline(always)]
+    pub fn is_quiet(&self, s: &Sphere) -> bool {
         let BoundingBox { min, max } = &self.quiet.0;
-        let is_quiet = |s: &Sphere| {
-            let c = s.center;
-            s.radius <= QUIET_RADIUS
-                && c.x > min.x
-                && c.x < max.x
-                && c.y > min.y
-                && c.y < max.y
-                && c.z > min.z
-                && c.z < max.z
-        };
-        if spheres.iter().all(is_quiet) {
-            return QUIET * UNIT_TOLERANCE;
-        }
-        let mut least = self.distance_inside(foot.center);
-        if !(least > 0.0) {
+        let c = s.center;
+        s.radius <= QUIET_RADIUS
+            && c.x > min.x
+            && c.x < max.x
+            && c.y > min.y
+            && c.y < max.y
+            && c.z > min.z
+            && c.z < max.z
+    }
+
+    /// See [`TransitHints::is_quiet`], metres.
+    pub const QUIET_SHIFT: f32 = QUIET * UNIT_TOLERANCE;
+
+    /// How far spheres may be shifted together and certainly stay away from portal `index` and what it leads to,
+    /// metres. Zero or less: nothing is certain.
+    #[inline(always)]
+    pub(crate) fn distance_away(&self, index: usize, spheres: &[Sphere]) -> f32 {
+        let Some(plane) = self.away.get(index) else {
             return 0.0;
+        };
+        let mut least = f32::INFINITY;
+        for s in spheres {
+            let d = -(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)) - plane.dist(s.center);
+            least = if d < least { d } else { least };
         }
-        for (index, plane) in self.away.iter().enumerate() {
-            let mut apart = f32::INFINITY;
-            for s in spheres {
-                let d = -(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)) - plane.dist(s.center);
-                apart = if d < apart { d } else { apart };
+        least
+    }
+
+    /// Whether one of the spheres touches the cell, and how far they may be shifted together without changing it,
+    /// metres. Zero or less: nothing is certain.
+    #[inline(always)]
+    pub(crate) fn distance_to_change(&self, spheres: &[Sphere]) -> (bool, f32) {
+        // How deep each is inside the plane it is least inside of; the deepest counts.
+        let mut deepest = f32::NEG_INFINITY;
+        for s in spheres {
+            let mut depth = f32::INFINITY;
+            for plane in &self.planes {
+                let d = plane.dist(s.center);
+                depth = if d < depth { d } else { depth };
             }
-            if apart < NEAR
-                && let Some(hints) = beyond(index)
-            {
-                let d = hints.outside_distance(spheres);
-                apart = if d > apart { d } else { apart };
-            }
-            least = if apart < least { apart } else { least };
+            depth += s.radius + CELL_BSP_SPHERE_FUDGE;
+            deepest = if depth > deepest { depth } else { deepest };
         }
-        least * UNIT_TOLERANCE
+        if deepest < 0.0 {
+            (false, -deepest - SLACK)
+        } else if self.is_walled {
+            (true, deepest - SLACK)
+        } else {
+            // Planes that are not known may keep the spheres out.
+            (true, 0.0)
+        }
     }
 
     /// How far a point may be shifted and certainly stays inside the cell, metres. Zero or less: nothing is certain.
     #[inline(always)]
-    fn distance_inside(&self, p: Vec3) -> f32 {
+    pub(crate) fn distance_inside(&self, p: Vec3) -> f32 {
         if let Some(BoundingBox { min, max }) = &self.core {
             let (a, b) = (p - *min, *max - p);
             let mut least = a.x;
@@ -207,7 +217,7 @@ impl TransitHints {
 }
 
 /// Normals that count as unit vectors may be this much longer.
-const UNIT_TOLERANCE: f32 = 0.999;
+pub(crate) const UNIT_TOLERANCE: f32 = 0.999;
 
 /// A plane of a cell in the frame of its landblock; without effect when it cannot be trusted.
 fn in_landblock(frame: &Frame, plane: &Plane) -> Plane {

@@ -1,0 +1,163 @@
+//! Which cells spheres touch, and how far they may be shifted without changing it: one look-up then serves a whole
+//! sweep (`world.md` 10.1, 11, 13). Answers are those of [`crate::find_cell_list`] or none at all.
+
+use crate::cell_array::CellArray;
+use crate::constants::SQUARE_LENGTH;
+use crate::env_cell::{EnvCell, PortalTarget};
+use crate::geometry::Sphere;
+use crate::ids::CellId;
+use crate::landblock::Landblock;
+use crate::terrain::{LandCell, Split};
+use crate::transit_hints::{TransitHints, UNIT_TOLERANCE};
+use crate::world::World;
+
+/// Fills `array` with what [`crate::find_cell_list`] would, if that is certain, and says how far `spheres` may be
+/// shifted together so that it stays the same, metres; the containing cell is `seed`, also after such a shift. Zero
+/// or less: nothing is certain, and `array` is empty.
+#[inline]
+pub fn certain_cells(world: &World, seed: CellId, spheres: &[Sphere], array: &mut CellArray) -> f32 {
+    let Some(block) = world.block(seed.block()).filter(|_| !world.settings().exact) else {
+        return 0.0;
+    };
+    if seed.is_indoor() {
+        block
+            .env_cell(seed)
+            .map_or(0.0, |cell| certain_rooms(block, cell, spheres, array))
+    } else {
+        block.land_cell(seed).map_or(0.0, |cell| {
+            certain_land_cell(world, block, seed, cell, spheres, array)
+        })
+    }
+}
+
+/// As [`certain_cells`] from an env cell of a landblock: rooms of the same landblock only.
+#[inline(never)]
+pub fn certain_rooms(block: &Landblock, cell: &EnvCell, spheres: &[Sphere], array: &mut CellArray) -> f32 {
+    array.start(cell.id, true);
+    if !spheres.is_empty() && spheres.iter().all(|s| cell.hints.is_quiet(s)) {
+        return TransitHints::QUIET_SHIFT;
+    }
+    match flood(block, cell, spheres, array) {
+        Some(distance) if distance > 0.0 => distance,
+        _ => {
+            array.clear();
+            0.0
+        }
+    }
+}
+
+/// The flood of `find_cell_list` through rooms, in its order. Each test along the way limits the shift to one that
+/// does not change its answer.
+#[inline]
+fn flood(block: &Landblock, seed: &EnvCell, spheres: &[Sphere], array: &mut CellArray) -> Option<f32> {
+    if array.do_not_load_cells {
+        return None;
+    }
+    let mut least = seed.hints.distance_inside(spheres.first()?.center);
+    let mut i = 0;
+    while let Some(entry) = array.get(i)
+        && least > 0.0
+    {
+        let cell = if i == 0 { seed } else { block.env_cell(entry.id)? };
+        let limit = through_portals(block, cell, spheres, array)?;
+        least = if limit < least { limit } else { least };
+        i += 1;
+    }
+    Some(least * UNIT_TOLERANCE)
+}
+
+#[inline(always)]
+fn through_portals(
+    block: &Landblock,
+    cell: &EnvCell,
+    spheres: &[Sphere],
+    array: &mut CellArray,
+) -> Option<f32> {
+    /// Nearer than this, what is behind a portal is looked at closely, metres.
+    const NEAR: f32 = 0.1;
+    let mut least = f32::INFINITY;
+    for (index, portal) in cell.portals.iter().enumerate() {
+        let mut limit = cell.hints.distance_away(index, spheres);
+        if !(limit > NEAR) {
+            let behind = match portal.other {
+                PortalTarget::Cell(id) if array.contains(id) => continue,
+                PortalTarget::Cell(id) if id.block() == block.id => block.env_cell(id),
+                _ => None,
+            };
+            match behind {
+                Some(other) => {
+                    let (touches, distance) = other.hints.distance_to_change(spheres);
+                    if touches {
+                        array.add(other.id, true);
+                        limit = distance;
+                    } else {
+                        limit = if distance > limit { distance } else { limit };
+                    }
+                }
+                None if limit > 0.0 => {}
+                None => return None,
+            }
+        }
+        least = if limit < least { limit } else { least };
+    }
+    Some(least)
+}
+
+/// As [`certain_cells`] on land: one land cell only.
+#[inline]
+pub fn certain_land_cell(
+    world: &World,
+    block: &Landblock,
+    seed: CellId,
+    cell: &LandCell,
+    spheres: &[Sphere],
+    array: &mut CellArray,
+) -> f32 {
+    array.clear();
+    let distance = calm_on_land(world, block, seed, cell, spheres);
+    if distance > 0.0 {
+        array.start(seed, true);
+        array.added_outside = true;
+    }
+    distance
+}
+
+/// How far spheres may be shifted and touch one land cell only, the first centre on its side of the diagonal: from
+/// its borders, its diagonal and what is behind its building's portals.
+#[inline]
+fn calm_on_land(world: &World, block: &Landblock, seed: CellId, cell: &LandCell, spheres: &[Sphere]) -> f32 {
+    /// Many times the rounding of coordinates inside a landblock, metres.
+    const SLACK: f32 = 0.01;
+    let low = seed.low() - 1;
+    let (x0, y0) = (
+        f32::from(low >> 3) * SQUARE_LENGTH,
+        f32::from(low & 7) * SQUARE_LENGTH,
+    );
+    let mut least = f32::INFINITY;
+    for s in spheres {
+        let (u, v) = (s.center.x - x0, s.center.y - y0);
+        for d in [u, v, SQUARE_LENGTH - u, SQUARE_LENGTH - v] {
+            let d = d - s.radius - SLACK;
+            least = if d < least { d } else { least };
+        }
+    }
+    let Some(foot) = spheres.first() else { return 0.0 };
+    let (u, v) = (foot.center.x - x0, foot.center.y - y0);
+    let diagonal = match cell.split {
+        Split::SwNe => u - v,
+        Split::SeNw => u + v - SQUARE_LENGTH,
+    };
+    // The point must also keep to one side of the diagonal; its distance is 0.707 times this.
+    let d = diagonal.abs() * 0.7 - SLACK;
+    least = if d < least { d } else { least };
+    if let Some(building) = cell.building.and_then(|i| block.buildings.get(usize::from(i))) {
+        for portal in &building.portals {
+            let Some(behind) = world.env_cell(portal.other) else {
+                continue;
+            };
+            let d = behind.hints.outside_distance(spheres);
+            least = if d < least { d } else { least };
+        }
+    }
+    least
+}
