@@ -121,7 +121,8 @@ impl Gpu {
         self.lost.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Nothing, or the error that tells that the device is no longer usable.
+    /// Nothing, or the error that tells that the device is no longer usable. A device that is gone takes commands all
+    /// the same and says so only while it is polled: poll [`Gpu::device`] once a frame.
     ///
     /// # Errors
     /// When it was lost or refused something.

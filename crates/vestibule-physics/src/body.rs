@@ -736,4 +736,14 @@ mod tests {
         body.set_elasticity(0.5);
         assert_eq!(body.elasticity(), 0.1);
     }
+
+    #[test]
+    fn what_is_drawn_of_a_body_without_a_model_lies_within_its_bounds() {
+        let (body, frame) = (Body::player(), Frame::at(Vec3::new(3.0, 4.0, 5.0)));
+        let bounds = vestibule_world::bounding_sphere(body.shape(), &frame, &[], 2.0);
+        for s in crate::locomotion::PLAYER_SPHERES {
+            let gap = length(frame.origin + s.center * 2.0 - bounds.center);
+            assert!(gap + s.radius * 2.0 <= bounds.radius + 1e-5, "{gap}");
+        }
+    }
 }

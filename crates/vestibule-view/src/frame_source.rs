@@ -82,10 +82,11 @@ impl FrameSource for WorldObjects<'_> {
             }
             let Some(body) = population.body(id) else { continue };
             let offset = vestibule_world::ids::block_offset(cell.block(), body.position().cell.block());
-            let sphere = bounding_sphere(body.shape(), &body.position().frame, body.part_frames());
+            let (shape, frame) = (body.shape(), &body.position().frame);
+            let sphere = bounding_sphere(shape, frame, body.part_frames(), body.scale());
             each(FrameObject {
                 id: ObjectRef::Body(id),
-                sphere: Sphere::new(sphere.center + offset, sphere.radius * body.scale()),
+                sphere: Sphere::new(sphere.center + offset, sphere.radius),
             });
         }
     }

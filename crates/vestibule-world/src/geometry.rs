@@ -92,6 +92,21 @@ impl Sphere {
     pub const fn new(center: Vec3, radius: f32) -> Self {
         Sphere { center, radius }
     }
+
+    /// The smallest sphere around this one and another.
+    #[must_use]
+    pub fn around(&self, other: &Sphere) -> Sphere {
+        let gap = other.center - self.center;
+        let apart = libm::sqrtf(gap.dot(gap));
+        if apart + other.radius <= self.radius {
+            *self
+        } else if apart + self.radius <= other.radius {
+            *other
+        } else {
+            let radius = (apart + self.radius + other.radius) * 0.5;
+            Sphere::new(self.center + gap * ((radius - self.radius) / apart), radius)
+        }
+    }
 }
 
 /// An upright cylinder (retail `CCylSphere`).
@@ -190,5 +205,19 @@ impl BoundingBox {
         } else {
             Side::Crossing
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sphere_around_two_touches_both_and_holds_them() {
+        let at = |x: f32, radius: f32| Sphere::new(Vec3::new(x, 0.0, 0.0), radius);
+        assert_eq!(at(0.0, 1.0).around(&at(3.0, 2.0)), at(2.0, 3.0));
+        assert_eq!(at(0.0, 3.0).around(&at(1.0, 1.0)), at(0.0, 3.0));
+        assert_eq!(at(1.0, 1.0).around(&at(0.0, 3.0)), at(0.0, 3.0));
+        assert_eq!(at(1.0, 1.0).around(&at(1.0, 1.0)), at(1.0, 1.0));
     }
 }

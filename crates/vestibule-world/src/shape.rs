@@ -110,7 +110,7 @@ impl StaticObject {
     pub fn new(shape: Arc<Shape>, frame: Frame, cell: CellId) -> Self {
         let part_frames: Box<[Frame]> = shape.parts.iter().map(|p| frame.combine(&p.frame)).collect();
         StaticObject {
-            bounds: bounding_sphere(&shape, &frame, &part_frames),
+            bounds: bounding_sphere(&shape, &frame, &part_frames, 1.0),
             shape,
             frame,
             cell,
@@ -119,14 +119,14 @@ impl StaticObject {
     }
 }
 
-/// A sphere around the parts of a placed shape, in the frame its part frames lead to; the sorting sphere of a shape
-/// without models.
-pub fn bounding_sphere(shape: &Shape, frame: &Frame, part_frames: &[Frame]) -> Sphere {
+/// A sphere around the parts of a shape placed at a scale, in the frame its part frames lead to; around the sorting
+/// sphere and the spheres of a shape without models.
+pub fn bounding_sphere(shape: &Shape, frame: &Frame, part_frames: &[Frame], scale: f32) -> Sphere {
     let mut hull: Option<BoundingBox> = None;
     for (part, placed) in shape.parts.iter().zip(part_frames) {
         let Some(model) = &part.model else { continue };
         for corner in model.bounds.corners() {
-            let p = placed.local_to_global(corner * part.scale);
+            let p = placed.local_to_global(corner * part.scale * scale);
             match &mut hull {
                 Some(hull) => hull.grow(p),
                 None => hull = Some(BoundingBox { min: p, max: p }),
@@ -139,8 +139,11 @@ pub fn bounding_sphere(shape: &Shape, frame: &Frame, part_frames: &[Frame]) -> S
             Sphere::new(hull.min + half, half.length())
         }
         None => {
-            let s = &shape.sorting_sphere;
-            Sphere::new(frame.local_to_global(s.center), s.radius)
+            let all = shape
+                .spheres
+                .iter()
+                .fold(shape.sorting_sphere, |a, b| a.around(b));
+            Sphere::new(frame.local_to_global(all.center * scale), all.radius * scale)
         }
     }
 }
