@@ -195,66 +195,64 @@ fn where_panel(context: &Context, explorer: &Explorer, room: &Room) {
 }
 
 fn where_rows(ui: &mut Ui, explorer: &Explorer) {
-    {
-        let grid = |ui: &mut Ui, id: &str, rows: &mut dyn FnMut(&mut Ui)| {
-            egui::Grid::new(id).num_columns(2).show(ui, |ui| rows(ui));
-        };
-        heading(ui, "player");
-        grid(ui, "player", &mut |ui| {
-            row(ui, "cell", named(explorer, explorer.player_cell()));
-            if let Some(body) = explorer.body() {
-                let o = body.position().origin();
-                row(ui, "position", format!("{:.3}  {:.3}  {:.3}", o.x, o.y, o.z));
-                if !body.position().cell.is_indoor() {
-                    row(ui, "map", MapCoordinates::of(body.position()).to_string());
-                }
-                let v = body.velocity.length().max(body.cached_velocity.length());
-                row(ui, "speed", format!("{v:.2} m/s"));
-                let contact = body.contact.map(|c| c.plane.normal);
-                let contact = contact.map_or("in the air".to_owned(), |n| {
-                    let walkable = if body.is_on_walkable() {
-                        "walkable"
-                    } else {
-                        "too steep"
-                    };
-                    format!("{:.2} {:.2} {:.2}  {walkable}", n.x, n.y, n.z)
-                });
-                row(ui, "contact", contact);
-                let touching = body.touching().len();
-                let shadows = body.shadow_cells().len();
-                row(ui, "listed in", format!("{shadows} cells, touching {touching}"));
-                if let Some(closed) = explorer.door_within_reach() {
-                    let told = if closed {
-                        "closed: F opens it"
-                    } else {
-                        "open: F closes it"
-                    };
-                    row(ui, "door", told);
-                }
+    let grid = |ui: &mut Ui, id: &str, rows: &mut dyn FnMut(&mut Ui)| {
+        egui::Grid::new(id).num_columns(2).show(ui, |ui| rows(ui));
+    };
+    heading(ui, "player");
+    grid(ui, "player", &mut |ui| {
+        row(ui, "cell", named(explorer, explorer.player_cell()));
+        if let Some(body) = explorer.body() {
+            let o = body.position().origin();
+            row(ui, "position", format!("{:.3}  {:.3}  {:.3}", o.x, o.y, o.z));
+            if !body.position().cell.is_indoor() {
+                row(ui, "map", MapCoordinates::of(body.position()).to_string());
             }
-        });
-        heading(ui, "viewer");
-        grid(ui, "viewer", &mut |ui| {
-            if let Some(viewer) = explorer.viewer() {
-                let cell = viewer.cell.map_or("lost".to_owned(), |c| named(explorer, c.0));
-                row(ui, "cell", cell);
-                let how = match viewer.source {
-                    vestibule_view::ViewerSource::Swept => "swept from the head",
-                    vestibule_view::ViewerSource::Adjusted => "sweep failed: adjusted",
-                    _ => "sweep failed: at the player",
+            let v = body.velocity.length().max(body.cached_velocity.length());
+            row(ui, "speed", format!("{v:.2} m/s"));
+            let contact = body.contact.map(|c| c.plane.normal);
+            let contact = contact.map_or("in the air".to_owned(), |n| {
+                let walkable = if body.is_on_walkable() {
+                    "walkable"
+                } else {
+                    "too steep"
                 };
-                row(ui, "found by", how);
+                format!("{:.2} {:.2} {:.2}  {walkable}", n.x, n.y, n.z)
+            });
+            row(ui, "contact", contact);
+            let touching = body.touching().len();
+            let shadows = body.shadow_cells().len();
+            row(ui, "listed in", format!("{shadows} cells, touching {touching}"));
+            if let Some(closed) = explorer.door_within_reach() {
+                let told = if closed {
+                    "closed: F opens it"
+                } else {
+                    "open: F closes it"
+                };
+                row(ui, "door", told);
             }
-            let path = match explorer.frame().path() {
-                FramePath::Outdoors => "outdoors",
-                FramePath::SeesOut => "a room that sees out",
-                FramePath::Sealed => "a sealed room",
-                _ => "nothing to draw",
+        }
+    });
+    heading(ui, "viewer");
+    grid(ui, "viewer", &mut |ui| {
+        if let Some(viewer) = explorer.viewer() {
+            let cell = viewer.cell.map_or("lost".to_owned(), |c| named(explorer, c.0));
+            row(ui, "cell", cell);
+            let how = match viewer.source {
+                vestibule_view::ViewerSource::Swept => "swept from the head",
+                vestibule_view::ViewerSource::Adjusted => "sweep failed: adjusted",
+                _ => "sweep failed: at the player",
             };
-            row(ui, "path", path);
-        });
-        cell_facts(ui, explorer);
-    }
+            row(ui, "found by", how);
+        }
+        let path = match explorer.frame().path() {
+            FramePath::Outdoors => "outdoors",
+            FramePath::SeesOut => "a room that sees out",
+            FramePath::Sealed => "a sealed room",
+            _ => "nothing to draw",
+        };
+        row(ui, "path", path);
+    });
+    cell_facts(ui, explorer);
 }
 
 fn cell_facts(ui: &mut Ui, explorer: &Explorer) {
@@ -289,46 +287,44 @@ fn view_panel(context: &Context, explorer: &mut Explorer, times: &FrameTimes, ro
 }
 
 fn view_rows(ui: &mut Ui, explorer: &mut Explorer, times: &FrameTimes) {
-    {
-        heading(ui, "show");
-        ui.horizontal(|ui| {
-            for (show, name) in [
-                (Show::Reached, "reached"),
-                (Show::SingleCell, "one cell"),
-                (Show::Everything, "everything"),
-            ] {
-                if ui.selectable_label(explorer.show == show, name).clicked() {
-                    explorer.show = show;
-                }
-            }
-        });
-        for (k, overlay) in Overlay::ALL.iter().enumerate() {
-            ui.checkbox(
-                &mut explorer.overlays[k],
-                format!("{}  {}", k + 1, overlay.name()),
-            );
-            if explorer.overlays[k] {
-                for (color, text) in overlay.legend() {
-                    patch(ui, color, text);
-                }
+    heading(ui, "show");
+    ui.horizontal(|ui| {
+        for (show, name) in [
+            (Show::Reached, "reached"),
+            (Show::SingleCell, "one cell"),
+            (Show::Everything, "everything"),
+        ] {
+            if ui.selectable_label(explorer.show == show, name).clicked() {
+                explorer.show = show;
             }
         }
-        let frozen = explorer.is_frozen();
-        if ui
-            .selectable_label(frozen, "G  hold the traversal and fly")
-            .clicked()
-        {
-            explorer.act(Action::Freeze);
+    });
+    for (k, overlay) in Overlay::ALL.iter().enumerate() {
+        ui.checkbox(
+            &mut explorer.overlays[k],
+            format!("{}  {}", k + 1, overlay.name()),
+        );
+        if explorer.overlays[k] {
+            for (color, text) in overlay.legend() {
+                patch(ui, color, text);
+            }
         }
-        ui.horizontal(|ui| {
-            ui.label(RichText::new(clock(explorer.time_of_day)).color(DIM));
-            ui.add(egui::Slider::new(&mut explorer.time_of_day, 0.0..=0.999).show_value(false));
-        });
-        draw_list(ui, explorer);
-        heading(ui, "frame times");
-        frame_times(ui, times);
-        ui.label(RichText::new("H  all keys").color(DIM));
     }
+    let frozen = explorer.is_frozen();
+    if ui
+        .selectable_label(frozen, "G  hold the traversal and fly")
+        .clicked()
+    {
+        explorer.act(Action::Freeze);
+    }
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(clock(explorer.time_of_day)).color(DIM));
+        ui.add(egui::Slider::new(&mut explorer.time_of_day, 0.0..=0.999).show_value(false));
+    });
+    draw_list(ui, explorer);
+    heading(ui, "frame times");
+    frame_times(ui, times);
+    ui.label(RichText::new("H  all keys").color(DIM));
 }
 
 fn frame_times(ui: &mut Ui, times: &FrameTimes) {
