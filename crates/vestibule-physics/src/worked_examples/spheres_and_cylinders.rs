@@ -186,7 +186,8 @@ fn s8_3_7_s8_4_7_a_step_down_of_no_depth_ends_at_what_it_meets() {
     let gap = 0.000_205;
     let meet = |amount: f32, cylinder: bool| {
         let mut rig = Rig::flat();
-        let over = if cylinder { 0.48 + 0.5 } else { 0.98 };
+        // The foot's radius and the sphere's, or the post's height.
+        let over = 0.48 + 0.5;
         let mut t = beside(&mut rig, &walker(), &on_level(0.0), v(0.0, 0.0, over - gap));
         t.path.step_down = true;
         (t.path.step_down_amt, t.path.walk_interp) = (amount, 1.0);
