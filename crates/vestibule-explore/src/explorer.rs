@@ -94,7 +94,7 @@ pub struct Explorer {
     asked: BTreeSet<BlockId>,
     /// Places with names.
     pub names: Vec<NamedPlace>,
-    /// Overlays that are on, by their position in [`Overlay::ALL`].
+    /// Overlays that are on, by their position in [`Overlay::ALL`](crate::Overlay::ALL).
     pub overlays: [bool; 5],
     /// What is drawn.
     pub show: Show,
