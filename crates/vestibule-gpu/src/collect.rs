@@ -213,6 +213,9 @@ pub(crate) struct Collector<'a> {
     planes: Vec<Vec4>,
     /// The last key and its pipeline.
     last: Option<(Key, u32)>,
+    /// The last landblock with its stride: its place in the ground, and its cells with their base texture only. The
+    /// cells of a landblock come together.
+    last_land: Option<((BlockId, u8), usize, u64)>,
 }
 
 /// The light on a mesh.
@@ -262,6 +265,7 @@ impl<'a> Collector<'a> {
             behind_exits: false,
             planes: Vec::new(),
             last: None,
+            last_land: None,
         }
     }
 
@@ -324,34 +328,48 @@ impl<'a> Collector<'a> {
         }
         self.items.ground.clear();
         self.items.ground_slots.clear();
+        self.last_land = None;
     }
 
     /// Land cells, one bit each, of a block.
     fn land(&mut self, block: BlockId, stride: u8, cells: u64) -> bool {
+        let Some((at, plain)) = self.land_slot(block, stride) else {
+            return false;
+        };
+        if let Some((_, base, painted)) = self.items.ground.get_mut(at) {
+            *base |= cells & plain;
+            *painted |= cells & !plain;
+        }
+        true
+    }
+
+    /// The place of a landblock in the ground, and which of its cells have their base texture only.
+    fn land_slot(&mut self, block: BlockId, stride: u8) -> Option<(usize, u64)> {
+        if let Some((last, at, plain)) = self.last_land
+            && last == (block, stride)
+        {
+            return Some((at, plain));
+        }
         let (eye, offset) = (&self.eye, self.settings.terrain_offset);
         let place = || {
             let low = DVec3::new(0.0, 0.0, -f64::from(offset));
             eye.turn(low - eye.eye_in(block)).as_vec3()
         };
         let store = &mut self.store;
-        let found = store.ground.get(
+        let (slot, plain) = store.ground.get(
             (store.device, store.queue),
             (self.scene.world, self.scene.assets),
             (block, stride),
             store.stamp,
             place,
-        );
-        let Some((slot, plain)) = found else { return false };
+        )?;
         let ground = &mut self.items.ground;
         let at = *self.items.ground_slots.entry(slot).or_insert_with(|| {
             ground.push((slot, 0, 0));
             ground.len() as u32 - 1
         });
-        if let Some((_, base, painted)) = ground.get_mut(at as usize) {
-            *base |= cells & plain;
-            *painted |= cells & !plain;
-        }
-        true
+        self.last_land = Some(((block, stride), at as usize, plain));
+        Some((at as usize, plain))
     }
 
     /// Adds a polygon as triangles; `value` is the depth to write, below zero for its own. Returns which points.
