@@ -1,7 +1,8 @@
 //! What a frame costs: deciding it, building and submitting it, and drawing it on the adapter at hand, by traversal and
 //! without. `vestibule bench render` tells the same.
 //!
-//! `cargo run --release -p vestibule-gpu --example bench_render [-- --software --small]`
+//! `cargo run --release -p vestibule-gpu --example bench_render [-- --software --small --traversed VIEW]`: VIEW is
+//! a part of the name of the views to time, `--traversed` leaves out what is drawn without a traversal.
 
 use vestibule_gpu::{AdapterChoice, FrameTimer, Gpu, cost_views};
 use vestibule_world::World;
@@ -14,6 +15,12 @@ const SMALL: (u32, u32) = (64, 36);
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let given = |name: &str| std::env::args().any(|a| a == name);
     let software = given("--software");
+    let wanted = std::env::args().skip(1).find(|a| !a.starts_with("--"));
+    let ways: &[bool] = if given("--traversed") {
+        &[true]
+    } else {
+        &[true, false]
+    };
     let size = if given("--small") { SMALL } else { SIZE };
     let choice = if software {
         AdapterChoice::Software
@@ -35,7 +42,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "", "ms", "traversal", "submit", "draws", "triangles", "frames/s"
     );
     for (name, camera) in cost_views(size)? {
-        for traversal in [true, false] {
+        if wanted.as_ref().is_some_and(|part| !name.contains(part.as_str())) {
+            continue;
+        }
+        for &traversal in ways {
             let cost = timer.time(&camera, traversal, frames)?;
             println!(
                 "{:<20} {:>9.3} {:>9.3} {:>9.3} {:>7} {:>9} {:>9.1}",

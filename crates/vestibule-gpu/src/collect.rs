@@ -1,192 +1,24 @@
 //! From a walk over a frame's commands to what the GPU is told. Opaque things between two barriers (a punch, a seal, a
-//! flush of see-through things, a clear of depth) are put in an order that changes little state; see-through things are put
-//! aside and drawn at the flushes (`rendering.md` 9.3, 9.4, 14.7).
+//! flush of see-through things, a clear of depth) may be drawn in any order; see-through things wait for the flushes
+//! (`rendering.md` 9.3, 9.4, 14.7).
 
 use std::sync::Arc;
 
-use bytemuck::Zeroable;
-use glam::{DVec3, Vec4};
+use glam::{DVec2, DVec3, Vec4};
 use vestibule_render::{
-    Blend, Canvas, DrawList, EyeFrame, LightDetail, Mesh, NumberMap, Owner, PUNCH_DEPTH, Piece, PieceLight,
-    PixelKind, Placed, PortalDepth, RenderSettings, Scene, SkyThing,
+    Blend, Canvas, DrawList, EyeFrame, LightDetail, Mesh, Owner, PUNCH_DEPTH, Piece, PixelKind, Placed,
+    PortalDepth, RenderSettings, Scene, SkyThing,
 };
 use vestibule_view::Camera;
 use vestibule_world::{BlockId, CellId};
 
 use crate::ground::{Ground, list_cells};
+use crate::items::{Draw, FrameStats, Item, Items};
+use crate::mesh_light::MeshLight;
 use crate::meshes::{Batch, Meshes};
 use crate::pipelines::{Key, Kind, Pipelines, blend_key};
-use crate::textures::{Slot, Textures};
-use crate::uniforms::{
-    ALPHA, BY_POLYGON, FOGGED, FrameUniform, IndexStream, Instance, LightKind, Lists, Part, Sent, Stream,
-};
-
-/// One thing the GPU is told to do.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Item {
-    /// Instances of triangles of one material.
-    Mesh {
-        pipeline: u32,
-        array: u16,
-        /// Of the lists; `None` when it does not matter.
-        window: Option<u16>,
-        indices: (u32, u32),
-        instances: (u32, u32),
-    },
-    /// Indices of the ground.
-    Ground {
-        pipeline: u32,
-        indices: (u32, u32),
-    },
-    /// Columns and rows: from, to, from, to.
-    Sky {
-        pipeline: u32,
-        bounds: [u32; 4],
-    },
-    /// Corners of a punch or a seal.
-    Depth {
-        pipeline: u32,
-        points: (u32, u32),
-    },
-    ClearDepth,
-}
-
-/// A mesh's triangles of one material, not yet in order.
-#[derive(Clone, Copy, Debug)]
-struct Draw {
-    pipeline: u32,
-    texture: Slot,
-    window: Option<u16>,
-    indices: (u32, u32),
-    instance: Instance,
-}
-
-impl Draw {
-    /// What must be equal for two draws to be one, those first that cost the most to change.
-    fn order(&self) -> (u32, u16, Option<u16>, u32) {
-        (self.pipeline, self.texture.array, self.window, self.indices.0)
-    }
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Deferred {
-    cut_out: bool,
-    distance: f64,
-    draw: Draw,
-}
-
-/// The things of a frame in order, and what is sent with them. Kept from frame to frame for its memory.
-#[derive(Debug)]
-pub(crate) struct Items {
-    pub(crate) list: Vec<Item>,
-    pub(crate) stream: Stream,
-    pub(crate) ground_indices: IndexStream,
-    /// The exits that the landscape is kept behind, in the points.
-    pub(crate) limits: (u32, u32),
-    instances: Vec<Instance>,
-    points: Vec<[f32; 4]>,
-    lists: Lists,
-    opaque: Vec<Draw>,
-    order: Vec<((u32, u16, Option<u16>, u32), u32)>,
-    deferred: Vec<Deferred>,
-    /// Land cells in view by slot: those with their base texture only, and the others.
-    ground: Vec<(u32, u64, u64)>,
-    ground_slots: NumberMap<u32, u32>,
-}
-
-/// What a frame was made of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct FrameStats {
-    /// Draw calls.
-    pub draws: u32,
-    /// Triangles, behind or outside the screen included.
-    pub triangles: u32,
-    /// Things a command names that the world or the assets do not have.
-    pub missing: u32,
-    /// Rooms confined to their regions because they overlap another.
-    pub confined: u32,
-    /// Punches and seals.
-    pub portals: u32,
-}
-
-impl Items {
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
-        Items {
-            list: Vec::new(),
-            stream: Stream::new(device),
-            ground_indices: IndexStream::new(device),
-            limits: (0, 0),
-            instances: Vec::new(),
-            points: Vec::new(),
-            lists: Lists::default(),
-            opaque: Vec::new(),
-            order: Vec::new(),
-            deferred: Vec::new(),
-            ground: Vec::new(),
-            ground_slots: NumberMap::default(),
-        }
-    }
-
-    fn clear(&mut self) {
-        self.list.clear();
-        self.ground_indices.indices.clear();
-        self.limits = (0, 0);
-        self.instances.clear();
-        self.points.clear();
-        self.lists.clear();
-        self.opaque.clear();
-        self.deferred.clear();
-        self.ground.clear();
-        self.ground_slots.clear();
-    }
-
-    /// Sends everything. Returns whether the buffer is another one now.
-    pub(crate) fn send(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        frame: &FrameUniform,
-        lands: &[[f32; 4]],
-    ) -> bool {
-        self.ground_indices.send(device, queue);
-        let sent = Sent {
-            frame,
-            lists: &self.lists,
-            instances: &self.instances,
-            points: &self.points,
-            lands,
-        };
-        self.stream.send(device, queue, &sent)
-    }
-
-    /// Draws instances of triangles; those of the same as before, with it.
-    fn mesh(&mut self, draw: &Draw, stats: &mut FrameStats) {
-        let at = self.instances.len() as u32;
-        self.instances.push(draw.instance);
-        stats.triangles += draw.indices.1 / 3;
-        if let Some(Item::Mesh {
-            pipeline,
-            array,
-            window,
-            indices,
-            instances,
-        }) = self.list.last_mut()
-            && (*pipeline, *array, *window) == (draw.pipeline, draw.texture.array, draw.window)
-            && *indices == draw.indices
-        {
-            instances.1 = at + 1;
-            return;
-        }
-        stats.draws += 1;
-        self.list.push(Item::Mesh {
-            pipeline: draw.pipeline,
-            array: draw.texture.array,
-            window: draw.window,
-            indices: draw.indices,
-            instances: (at, at + 1),
-        });
-    }
-}
+use crate::textures::Textures;
+use crate::uniforms::{ALPHA, BY_POLYGON, FOGGED, Instance, LightKind};
 
 /// Where assets are kept on the GPU.
 pub(crate) struct Store<'a> {
@@ -210,37 +42,11 @@ pub(crate) struct Collector<'a> {
     ids: bool,
     /// Only what lies behind the exits is drawn: the landscape seen from a room.
     behind_exits: bool,
+    screen: Screen,
     planes: Vec<Vec4>,
-    /// The last key and its pipeline.
-    last: Option<(Key, u32)>,
     /// The last landblock with its stride: its place in the ground, and its cells with their base texture only. The
     /// cells of a landblock come together.
     last_land: Option<((BlockId, u8), usize, u64)>,
-}
-
-/// The light on a mesh.
-#[derive(Clone, Copy, Debug)]
-struct MeshLight {
-    kind: LightKind,
-    lamps: Part,
-    planes: Part,
-    count: u32,
-    near: [u32; 2],
-    /// Of its own, in place of the material's.
-    own: Option<f32>,
-}
-
-impl MeshLight {
-    fn plain(kind: LightKind) -> Self {
-        MeshLight {
-            kind,
-            lamps: Part::default(),
-            planes: Part::default(),
-            count: 0,
-            near: [0; 2],
-            own: None,
-        }
-    }
 }
 
 impl<'a> Collector<'a> {
@@ -263,38 +69,19 @@ impl<'a> Collector<'a> {
             camera,
             ids,
             behind_exits: false,
+            screen: Screen::new(camera),
             planes: Vec::new(),
-            last: None,
             last_land: None,
         }
     }
 
     fn pipeline(&mut self, key: Key) -> u32 {
-        if let Some((last, code)) = self.last
-            && last == key
-        {
-            return code;
-        }
-        let code = self.store.pipelines.prepare(self.store.device, key);
-        self.last = Some((key, code));
-        code
+        self.store.pipelines.prepare(self.store.device, key)
     }
 
     /// Draws what may be drawn in any order: before anything that must come later.
     fn barrier(&mut self) {
-        let items = &mut *self.items;
-        let (opaque, mut order) = (
-            core::mem::take(&mut items.opaque),
-            core::mem::take(&mut items.order),
-        );
-        order.clear();
-        order.extend(opaque.iter().zip(0..).map(|(d, k)| (d.order(), k)));
-        order.sort_unstable();
-        for &(_, k) in &order {
-            items.mesh(&opaque[k as usize], &mut self.stats);
-        }
-        (items.opaque, items.order) = (opaque, order);
-        items.opaque.clear();
+        self.items.draw_opaque(&mut self.stats);
         self.finish_ground();
     }
 
@@ -384,122 +171,95 @@ impl<'a> Collector<'a> {
         }
         (first, self.items.points.len() as u32 - first)
     }
+}
 
-    fn batches(&mut self, mesh: &Arc<Mesh>) -> Arc<[Batch]> {
-        let store = &mut self.store;
-        let from = (store.device, store.queue);
-        store.meshes.get(from, store.textures, mesh, store.stamp)
+/// The part of the screen that a camera shows, in camera axes.
+#[derive(Clone, Copy, Debug)]
+struct Screen {
+    slopes: DVec2,
+    /// Lengths of the normals of the planes through its sides.
+    lengths: DVec2,
+}
+
+impl Screen {
+    fn new(camera: &Camera) -> Self {
+        let slopes = camera.slopes().as_dvec2();
+        Screen {
+            slopes,
+            lengths: DVec2::new(
+                (1.0 + slopes.x * slopes.x).sqrt(),
+                (1.0 + slopes.y * slopes.y).sqrt(),
+            ),
+        }
     }
 
-    fn draw(
-        &mut self,
-        key: Key,
-        batch: &Batch,
-        placed: &[[f32; 4]; 3],
-        opacity: f32,
-        light: &MeshLight,
-        owner: Option<Owner>,
-    ) -> Draw {
-        let material = &batch.material;
-        let mut flags = light.kind as u32;
-        if material.fogged && light.kind != LightKind::Own {
-            flags |= FOGGED;
-        }
-        if material.list != DrawList::Now || light.kind == LightKind::Own {
-            flags |= ALPHA;
-        }
-        let mut instance = Instance {
-            rows: *placed,
-            material: [
-                light.own.unwrap_or(material.luminosity),
-                material.diffuse,
-                material
-                    .alpha_test
-                    .map_or(0.0, |limit| (f32::from(limit) - 0.25) / 255.0),
-                opacity,
-            ],
-            ..Instance::zeroed()
-        };
-        if let Some(owner) = owner {
+    /// Whether any of a sphere in camera axes can be on it.
+    fn shows(&self, center: DVec3, radius: f64) -> bool {
+        let (slopes, lengths) = (self.slopes, self.lengths);
+        center.y >= -radius
+            && slopes.x * center.y - center.x.abs() >= -radius * lengths.x
+            && slopes.y * center.y - center.z.abs() >= -radius * lengths.y
+    }
+}
+
+/// What all batches of a placed mesh have in common, and each may change.
+struct Placing<'p> {
+    rows: [[f32; 4]; 3],
+    light: &'p MeshLight,
+    id: [u32; 2],
+    by_polygon: bool,
+}
+
+impl<'p> Placing<'p> {
+    fn new(placed: &Placed, light: &'p MeshLight, owner: Option<Owner>) -> Self {
+        let id = owner.map_or([0; 2], |owner| {
             let code = match owner.kind {
                 PixelKind::Building => 2,
                 PixelKind::Room => 3,
                 _ => 4u32,
             };
-            instance.id = [owner.cell.0, code << 28 | owner.item.unwrap_or(0) & 0x0FFF_FFFF];
-            if owner.item.is_none() {
-                flags |= BY_POLYGON;
-            }
+            [owner.cell.0, code << 28 | owner.item.unwrap_or(0) & 0x0FFF_FFFF]
+        });
+        Placing {
+            rows: placed.rows(),
+            light,
+            id,
+            by_polygon: owner.is_some_and(|o| o.item.is_none()),
         }
+    }
+
+    fn draw(&self, pipeline: u32, batch: &Batch, opacity: f32) -> Draw {
+        let light = self.light;
+        let own = light.kind == LightKind::Own;
+        let mut flags = light.kind as u32;
+        if batch.fogged && !own {
+            flags |= FOGGED;
+        }
+        if batch.list != DrawList::Now || own {
+            flags |= ALPHA;
+        }
+        if self.by_polygon {
+            flags |= BY_POLYGON;
+        }
+        let [luminosity, diffuse, least] = batch.paint;
         let layer = u32::from(batch.texture.layer);
-        instance.how = [
-            flags | light.count << 8 | layer << 16 | u32::from(light.planes.count) << 24,
-            u32::from(light.lamps.first) | u32::from(light.planes.first) << 16,
-            light.near[0],
-            light.near[1],
-        ];
         let listed = light.count > 0 || light.planes.count > 0;
         Draw {
-            pipeline: self.pipeline(Key {
-                wrap: batch.wrap,
-                ..key
-            }),
+            pipeline,
             texture: batch.texture,
             window: listed.then_some(light.lamps.window),
             indices: (batch.first, batch.count),
-            instance,
-        }
-    }
-
-    /// Whether any of a sphere in camera axes can be on the screen.
-    fn on_screen(&self, center: DVec3, radius: f64) -> bool {
-        let slopes = self.camera.slopes().as_dvec2();
-        let (lx, ly) = (
-            (1.0 + slopes.x * slopes.x).sqrt(),
-            (1.0 + slopes.y * slopes.y).sqrt(),
-        );
-        center.y >= -radius
-            && slopes.x * center.y - center.x.abs() >= -radius * lx
-            && slopes.y * center.y - center.z.abs() >= -radius * ly
-    }
-
-    fn light(&mut self, piece: &Piece<'_>) -> MeshLight {
-        let (slopes, size) = (self.camera.slopes(), self.camera.viewport());
-        self.planes.clear();
-        self.planes.extend(piece.edges.iter().map(|n| {
-            let n = n.as_vec3();
-            // A hundredth of a pixel more, as the reference has it.
-            let across = (n.x * 2.0 * slopes.x / size.x).abs() + (n.z * 2.0 * slopes.y / size.y).abs();
-            n.extend(across * (2.0 / 256.0))
-        }));
-        let lists = &mut self.items.lists;
-        match piece.light {
-            PieceLight::Sun => MeshLight {
-                planes: lists.add(CellId(0), &[], &self.planes).1,
-                ..MeshLight::plain(LightKind::Sun)
+            instance: Instance {
+                rows: self.rows,
+                material: [light.own.unwrap_or(luminosity), diffuse, least, opacity],
+                how: [
+                    flags | light.count << 8 | layer << 16 | u32::from(light.planes.count) << 24,
+                    u32::from(light.lamps.first) | u32::from(light.planes.first) << 16,
+                    light.near[0],
+                    light.near[1],
+                ],
+                id: self.id,
             },
-            PieceLight::Shell { cell, lamps } => {
-                let (lamps, planes) = lists.add(cell, lamps, &self.planes);
-                MeshLight {
-                    lamps,
-                    planes,
-                    count: u32::from(lamps.count),
-                    ..MeshLight::plain(LightKind::Shell)
-                }
-            }
-            PieceLight::Indoor { cell, lamps, near } => {
-                let (lamps, planes) = lists.add(cell, lamps, &self.planes);
-                let mut light = MeshLight {
-                    lamps,
-                    planes,
-                    count: near.len() as u32,
-                    ..MeshLight::plain(LightKind::Indoor)
-                };
-                for (k, &lamp) in near.iter().enumerate() {
-                    light.near[(k / 4) & 1] |= u32::from(lamp) << (8 * (k % 4));
-                }
-                light
-            }
         }
     }
 }
@@ -527,16 +287,20 @@ impl Canvas for Collector<'_> {
             own: Some(thing.luminosity),
             ..MeshLight::plain(LightKind::Own)
         };
-        let rows = placed.rows();
-        for batch in self.batches(mesh).iter() {
+        let placing = Placing::new(placed, &light, None);
+        let store = &mut self.store;
+        let from = (store.device, store.queue);
+        for batch in store.meshes.get(from, store.textures, mesh, store.stamp) {
             let key = Key {
-                blend: blend_key(batch.material.blend),
+                blend: blend_key(batch.blend),
                 test: false,
                 write: false,
+                wrap: batch.wrap,
                 ..Key::opaque(Kind::Mesh { pixel_lit: false })
             };
-            let opacity = batch.material.opacity * (1.0 - thing.translucency);
-            let draw = self.draw(key, batch, &rows, opacity, &light, None);
+            let opacity = batch.opacity * (1.0 - thing.translucency);
+            let pipeline = store.pipelines.prepare(store.device, key);
+            let draw = placing.draw(pipeline, batch, opacity);
             self.items.mesh(&draw, &mut self.stats);
         }
     }
@@ -587,11 +351,11 @@ impl Canvas for Collector<'_> {
     fn piece(&mut self, piece: &Piece<'_>) {
         let (mesh, placed) = (piece.mesh, piece.placed);
         let middle = placed.point(mesh.sphere.center);
-        if !self.on_screen(middle, f64::from(mesh.sphere.radius) * placed.reach() + 0.01) {
+        let radius = f64::from(mesh.sphere.radius) * placed.reach() + 0.01;
+        if !self.screen.shows(middle, radius) {
             return;
         }
-        let batches = self.batches(mesh);
-        let light = self.light(piece);
+        let light = MeshLight::of(piece, self.camera, &mut self.items.lists, &mut self.planes);
         let lit = matches!(light.kind, LightKind::Shell | LightKind::Indoor);
         let pixel_lit = lit && self.settings.light == LightDetail::PerPixel && !self.ids;
         let opaque = Key {
@@ -600,58 +364,44 @@ impl Canvas for Collector<'_> {
             ids: self.ids,
             ..Key::opaque(Kind::Mesh { pixel_lit })
         };
-        let rows = placed.rows();
-        let owner = Some(piece.owner);
+        let placing = Placing::new(placed, &light, Some(piece.owner));
         let faded = piece.opacity < 1.0;
-        for batch in batches.iter() {
-            let material = &batch.material;
-            if material.list == DrawList::Now && !faded {
-                let draw = self.draw(opaque, batch, &rows, 1.0, &light, owner);
-                self.items.opaque.push(draw);
+        let store = &mut self.store;
+        let from = (store.device, store.queue);
+        for batch in store.meshes.get(from, store.textures, mesh, store.stamp) {
+            let wrap = batch.wrap;
+            if batch.list == DrawList::Now && !faded {
+                let pipeline = store.pipelines.prepare(store.device, Key { wrap, ..opaque });
+                self.items.add_opaque(placing.draw(pipeline, batch, 1.0));
                 continue;
             }
-            let cut_out = material.list == DrawList::CutOut && !faded;
+            let cut_out = batch.list == DrawList::CutOut && !faded;
             if self.ids && !cut_out {
                 continue;
             }
-            let blend = match (self.ids, faded && material.list == DrawList::Now) {
+            let blend = match (self.ids, faded && batch.list == DrawList::Now) {
                 (true, _) => Blend::OPAQUE,
                 (_, true) => Blend::ALPHA,
-                _ => material.blend,
+                _ => batch.blend,
             };
             let key = Key {
                 kind: Kind::Mesh { pixel_lit: false },
                 blend: blend_key(blend),
-                write: material.writes_depth() && !faded,
+                write: batch.writes_depth && !faded,
+                wrap,
                 ..opaque
             };
-            let opacity = material.opacity * piece.opacity;
-            let draw = self.draw(key, batch, &rows, opacity, &light, owner);
-            self.items.deferred.push(Deferred {
-                cut_out,
-                distance: middle.length(),
-                draw,
-            });
+            let pipeline = store.pipelines.prepare(store.device, key);
+            let draw = placing.draw(pipeline, batch, batch.opacity * piece.opacity);
+            self.items.add_deferred(draw, (!cut_out).then(|| middle.length()));
         }
     }
 
     fn flush(&mut self) {
-        if self.items.deferred.is_empty() {
-            return;
+        if self.items.has_deferred() {
+            self.barrier();
+            self.items.draw_deferred(&mut self.stats);
         }
-        self.barrier();
-        let mut list = core::mem::take(&mut self.items.deferred);
-        list.sort_by(|a, b| match (a.cut_out, b.cut_out) {
-            (true, true) => core::cmp::Ordering::Equal,
-            (true, false) => core::cmp::Ordering::Less,
-            (false, true) => core::cmp::Ordering::Greater,
-            (false, false) => b.distance.total_cmp(&a.distance),
-        });
-        for d in &list {
-            self.items.mesh(&d.draw, &mut self.stats);
-        }
-        list.clear();
-        self.items.deferred = list;
     }
 
     fn clear_depth(&mut self) {

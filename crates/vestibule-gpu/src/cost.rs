@@ -8,9 +8,9 @@ use vestibule_render::{Assets, Everything, RenderSettings, Scene, everything_com
 use vestibule_view::{Camera, CameraError, FrameInput, FrameView, Openings, WorldObjects};
 use vestibule_world::{CellId, World};
 
-use crate::collect::FrameStats;
 use crate::device::Gpu;
 use crate::error::GpuError;
+use crate::items::FrameStats;
 use crate::renderer::{Renderer, RendererOptions};
 use crate::{Picture, Target};
 

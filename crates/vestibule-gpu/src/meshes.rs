@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use vestibule_render::{DrawList, Material, Mesh, NumberMap};
+use vestibule_render::{Blend, DrawList, Material, Mesh, NumberMap, Texture};
 
 use crate::arena::Arena;
 use crate::textures::{KEPT_FRAMES, Slot, Textures};
@@ -24,21 +24,51 @@ pub(crate) const CORNER_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::Vertex
     attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Uint32],
 };
 
-/// Triangles of one material.
-#[derive(Clone, Debug)]
+/// Triangles of one material, with all of it that a draw needs: nothing else has to be looked at.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Batch {
     /// In the buffer of indices.
     pub(crate) first: u32,
     pub(crate) count: u32,
-    pub(crate) material: Arc<Material>,
-    pub(crate) wrap: bool,
     pub(crate) texture: Slot,
+    pub(crate) wrap: bool,
+    pub(crate) fogged: bool,
+    pub(crate) writes_depth: bool,
+    pub(crate) list: DrawList,
+    pub(crate) blend: Blend,
+    pub(crate) opacity: f32,
+    /// Luminosity, diffuse, least alpha.
+    pub(crate) paint: [f32; 3],
+}
+
+impl Batch {
+    fn new(material: &Material, texture: Slot, wrap: bool, (first, count): (u32, u32)) -> Self {
+        let least = material.alpha_test;
+        Batch {
+            first,
+            count,
+            texture,
+            wrap,
+            fogged: material.fogged,
+            writes_depth: material.writes_depth(),
+            list: material.list,
+            blend: material.blend,
+            opacity: material.opacity,
+            paint: [
+                material.luminosity,
+                material.diffuse,
+                least.map_or(0.0, |limit| (f32::from(limit) - 0.25) / 255.0),
+            ],
+        }
+    }
 }
 
 #[derive(Debug)]
 pub(crate) struct GpuMesh {
     pub(crate) source: Arc<Mesh>,
-    pub(crate) batches: Arc<[Batch]>,
+    batches: Box<[Batch]>,
+    /// One a batch.
+    textures: Box<[Arc<Texture>]>,
     /// Corners and indices (first, count) in the arenas.
     corners: (u64, u64),
     indices: (u64, u64),
@@ -85,16 +115,19 @@ impl Meshes {
         textures: &mut Textures,
         source: &Arc<Mesh>,
         frame: u64,
-    ) -> Arc<[Batch]> {
+    ) -> &[Batch] {
         let key = Arc::as_ptr(source) as usize;
-        if let Some(found) = self.all.get_mut(&key) {
-            found.used = frame;
-            return found.batches.clone();
+        if !self.all.contains_key(&key) {
+            let made = self.upload(device, queue, textures, source, frame);
+            self.all.insert(key, made);
         }
-        let made = self.upload(device, queue, textures, source, frame);
-        let batches = made.batches.clone();
-        self.all.insert(key, made);
-        batches
+        match self.all.get_mut(&key) {
+            Some(found) => {
+                found.used = frame;
+                &found.batches
+            }
+            None => &[],
+        }
     }
 
     /// Drops what was not drawn for long, or what nobody else holds any more.
@@ -105,8 +138,8 @@ impl Meshes {
             if !keep {
                 corners.give_back(m.corners.0, m.corners.1);
                 indices.give_back(m.indices.0, m.indices.1);
-                for batch in m.batches.iter() {
-                    textures.release(&batch.material.texture);
+                for texture in &m.textures {
+                    textures.release(texture);
                 }
             }
             keep
@@ -125,7 +158,8 @@ impl Meshes {
         let count = groups.iter().map(|(.., list)| list.len() as u64).sum();
         let mut made = GpuMesh {
             source: source.clone(),
-            batches: [].into(),
+            batches: Box::default(),
+            textures: Box::default(),
             corners: (0, 0),
             indices: (0, 0),
             used: frame,
@@ -146,18 +180,18 @@ impl Meshes {
         made.indices = (at, count);
         self.indices.write(queue, at, bytemuck::cast_slice(&all));
         let mut first = at as u32;
-        let batch = |(material, wrap, list): (Arc<Material>, bool, Vec<u32>)| {
-            let batch = Batch {
-                first,
-                count: list.len() as u32,
-                texture: textures.get(device, queue, &material.texture),
+        let batch = |(material, wrap, list): &(Arc<Material>, bool, Vec<u32>)| {
+            let range = (first, list.len() as u32);
+            first += range.1;
+            Batch::new(
                 material,
-                wrap,
-            };
-            first += batch.count;
-            batch
+                textures.get(device, queue, &material.texture),
+                *wrap,
+                range,
+            )
         };
-        made.batches = groups.into_iter().map(batch).collect();
+        made.batches = groups.iter().map(batch).collect();
+        made.textures = groups.iter().map(|(m, ..)| m.texture.clone()).collect();
         made
     }
 }

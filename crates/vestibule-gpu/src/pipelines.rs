@@ -104,6 +104,8 @@ fn factor(code: u8) -> wgpu::BlendFactor {
 
 #[derive(Debug)]
 pub(crate) struct Pipelines {
+    /// The last key that was asked for, with its code.
+    last: Option<(Key, u32)>,
     all: NumberMap<u32, wgpu::RenderPipeline>,
     shaders: [wgpu::ShaderModule; 4],
     layouts: [wgpu::PipelineLayout; 3],
@@ -160,6 +162,7 @@ impl Pipelines {
             layout(&[&frame_layout]),
         ];
         Pipelines {
+            last: None,
             all: NumberMap::default(),
             shaders: [
                 shader("mesh", include_str!("shaders/mesh.wgsl")),
@@ -180,11 +183,17 @@ impl Pipelines {
 
     /// Sees to it that a pipeline is there. Returns its code.
     pub(crate) fn prepare(&mut self, device: &wgpu::Device, key: Key) -> u32 {
+        if let Some((last, code)) = self.last
+            && last == key
+        {
+            return code;
+        }
         let code = key.code();
         if !self.all.contains_key(&code) {
             let made = self.make(device, key);
             self.all.insert(code, made);
         }
+        self.last = Some((key, code));
         code
     }
 

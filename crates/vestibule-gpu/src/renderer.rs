@@ -1,12 +1,15 @@
 //! The renderer: uploads what a frame needs, once, and draws it.
 
-use vestibule_render::{IdImage, Image, LightDetail, LightLevels, Picture, RenderSettings, Scene, Walk};
+use vestibule_render::{
+    IdImage, Image, LightDetail, LightLevels, Picture, RenderSettings, Scene, Walk, WalkMemory,
+};
 use vestibule_view::FrameView;
 
-use crate::collect::{Collector, FrameStats, Item, Items, Store};
+use crate::collect::{Collector, Store};
 use crate::device::Gpu;
 use crate::error::GpuError;
 use crate::ground::Ground;
+use crate::items::{FrameStats, Item, Items};
 use crate::meshes::Meshes;
 use crate::pipelines::{Key, Pipelines};
 use crate::target::{Content, Target};
@@ -42,6 +45,7 @@ pub struct Renderer {
     textures: Textures,
     ground: Ground,
     items: Items,
+    walk: WalkMemory,
     no_limit: wgpu::TextureView,
     /// Without and with a limit, and whose limit that is.
     frame_groups: [Option<(wgpu::TextureView, wgpu::BindGroup)>; 2],
@@ -94,6 +98,7 @@ impl Renderer {
             textures,
             ground,
             items: Items::new(device),
+            walk: WalkMemory::new(),
             no_limit: no_limit.create_view(&wgpu::TextureViewDescriptor::default()),
             frame_groups: [None, None],
             stamp: 0,
@@ -172,7 +177,7 @@ impl Renderer {
             pipelines: &mut self.pipelines,
             stamp: self.stamp,
         };
-        let mut walk = Walk::new(scene, settings, picture);
+        let mut walk = Walk::new(scene, settings, picture, &mut self.walk);
         if ids {
             walk = walk.unlit();
         }

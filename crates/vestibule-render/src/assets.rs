@@ -1,17 +1,18 @@
 //! Meshes, materials, textures and lights of a world, made from its records once and shared (`rendering.md` 14, 15).
 
-use std::sync::{Arc, Mutex, PoisonError};
+use core::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::Vec3;
 use vestibule_dat::record::{
     self, Degrade, Environment, GfxObj, GfxObjDegradeInfo, Paint, Palette, RecordError, RenderSurface, Setup,
     Surface, SurfaceTexture,
 };
+use vestibule_view::NumberMap;
 use vestibule_world::{EnvCell, Model, Store, World};
 
 use crate::material::Material;
 use crate::mesh::{Mesh, MeshInput};
-use crate::number_map::NumberMap;
 use crate::sky::SkyTable;
 use crate::terrain_paint::TerrainPaint;
 use crate::texture::{DecodeAs, Texture, decode};
@@ -72,8 +73,9 @@ type Cache<K, V> = Mutex<NumberMap<K, V>>;
 
 /// The assets of one world, made when first asked for, from any thread. One value belongs to one [`World`]; share it
 /// by reference.
-#[derive(Default)]
 pub struct Assets {
+    /// Different for each value.
+    serial: u64,
     materials: Cache<u32, Arc<Material>>,
     textures: Cache<(u32, u32, DecodeAs), (Arc<Texture>, bool)>,
     models: Cache<(u32, bool), Option<Arc<Mesh>>>,
@@ -84,9 +86,9 @@ pub struct Assets {
     lights: Cache<u32, Arc<[ObjectLight]>>,
     lamps: Cache<u32, Arc<[crate::lighting::Lamp]>>,
     lands: Cache<(u16, u16), Option<Arc<crate::land::LandMesh>>>,
-    terrain: std::sync::OnceLock<Arc<TerrainPaint>>,
-    sky: std::sync::OnceLock<Arc<SkyTable>>,
-    textured: std::sync::OnceLock<bool>,
+    terrain: OnceLock<Arc<TerrainPaint>>,
+    sky: OnceLock<Arc<SkyTable>>,
+    textured: OnceLock<bool>,
     counters: Mutex<AssetCounters>,
 }
 
@@ -107,10 +109,37 @@ impl core::fmt::Debug for Assets {
     }
 }
 
+impl Default for Assets {
+    fn default() -> Self {
+        static MADE: AtomicU64 = AtomicU64::new(0);
+        Assets {
+            serial: MADE.fetch_add(1, Ordering::Relaxed) + 1,
+            materials: Cache::default(),
+            textures: Cache::default(),
+            models: Cache::default(),
+            cells: Cache::default(),
+            shells: Cache::default(),
+            levels: Cache::default(),
+            lights: Cache::default(),
+            lamps: Cache::default(),
+            lands: Cache::default(),
+            terrain: OnceLock::new(),
+            sky: OnceLock::new(),
+            textured: OnceLock::new(),
+            counters: Mutex::default(),
+        }
+    }
+}
+
 impl Assets {
     /// Nothing made yet.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// A number that no other value of this process has, never 0.
+    pub(crate) fn serial(&self) -> u64 {
+        self.serial
     }
 
     /// What was missing or odd so far.

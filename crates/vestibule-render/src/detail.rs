@@ -23,16 +23,7 @@ pub struct ModelLevel {
 /// Picks the level for a distance in metres, already divided by the part's scale along z. `quality` is -1…1: 0 is
 /// retail's default, 1 keeps detail as far as the record allows. `model` is drawn where there are no levels.
 pub fn model_level(model: u32, levels: &[Degrade], distance: f32, quality: f32) -> ModelLevel {
-    let far = distance - BIAS;
-    let far = if far > 0.0 { far } else { 0.0 };
-    let limit = |d: &Degrade| {
-        if quality >= 0.0 {
-            d.ideal_dist + quality * (d.max_dist - d.ideal_dist)
-        } else {
-            d.ideal_dist + quality * (d.ideal_dist - d.min_dist)
-        }
-    };
-    match levels.iter().find(|d| far < limit(d)).or(levels.last()) {
+    match level_at(levels, distance, quality).and_then(|at| levels.get(at)) {
         Some(level) => ModelLevel {
             model: (level.gfx_obj != 0).then_some(level.gfx_obj),
             mode: level.degrade_mode,
@@ -42,6 +33,21 @@ pub fn model_level(model: u32, levels: &[Degrade], distance: f32, quality: f32) 
             mode: 1,
         },
     }
+}
+
+/// The position of the level that [`model_level`] picks; `None` where there are no levels.
+pub(crate) fn level_at(levels: &[Degrade], distance: f32, quality: f32) -> Option<usize> {
+    let far = distance - BIAS;
+    let far = if far > 0.0 { far } else { 0.0 };
+    let limit = |d: &Degrade| {
+        if quality >= 0.0 {
+            d.ideal_dist + quality * (d.max_dist - d.ideal_dist)
+        } else {
+            d.ideal_dist + quality * (d.ideal_dist - d.min_dist)
+        }
+    };
+    let nearer = levels.iter().position(|d| far < limit(d));
+    nearer.or(levels.len().checked_sub(1))
 }
 
 /// A part's frame turned to a viewer at `eye`, both in one frame, as the mode of its level says. What is turned to the

@@ -9,6 +9,9 @@ const MIN_SHARED: f32 = 0.1;
 
 /// The rooms of a list that overlap another of the list to which they are not linked.
 pub fn overlapping_cells(world: &World, flood: &Flood<'_>) -> Vec<CellId> {
+    if flood.cells().len() < 2 {
+        return Vec::new();
+    }
     let rooms: Vec<(&EnvCell, BoundingBox)> = flood
         .cells()
         .iter()

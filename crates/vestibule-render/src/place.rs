@@ -51,11 +51,16 @@ impl EyeFrame {
 
     /// A frame of a landblock, with a scale of its local axes.
     pub fn place(&self, block: BlockId, frame: &Frame, scale: Vec3) -> Placed {
-        let axes = frame.axes().map(|a| self.turn(a.as_dvec3()));
+        self.place_axes(self.eye_in(block), frame.origin, frame.axes(), scale)
+    }
+
+    /// As [`EyeFrame::place`], of a frame's origin and axes; the eye as [`EyeFrame::eye_in`] has it.
+    pub(crate) fn place_axes(&self, eye: DVec3, origin: Vec3, axes: &[Vec3; 3], scale: Vec3) -> Placed {
+        let axes = axes.map(|a| self.turn(a.as_dvec3()));
         let s = scale.as_dvec3();
         Placed {
             matrix: DMat3::from_cols(axes[0] * s.x, axes[1] * s.y, axes[2] * s.z),
-            origin: self.turn(frame.origin.as_dvec3() - self.eye_in(block)),
+            origin: self.turn(origin.as_dvec3() - eye),
         }
     }
 

@@ -21,7 +21,7 @@ use crate::raster::{Buffers, PUNCH_DEPTH};
 use crate::scene::{RenderCounters, RenderSettings, Scene};
 use crate::shade::MeshLight;
 use crate::sky::SkyThing;
-use crate::walk::{Canvas, Piece, PieceLight, PortalDepth, Walk};
+use crate::walk::{Canvas, Piece, PieceLight, PortalDepth, Walk, WalkMemory};
 
 /// Draws the picture of a frame.
 ///
@@ -166,7 +166,8 @@ pub(crate) fn paint_picture(
         scene.daylight(),
         picture.sealed,
     );
-    let mut walk = Walk::new(scene, settings, picture);
+    let mut memory = WalkMemory::new();
+    let mut walk = Walk::new(scene, settings, picture, &mut memory);
     if mode == Mode::Ids {
         walk = walk.unlit();
     }

@@ -1,23 +1,25 @@
 //! The walk over a picture's commands (`rendering.md` 5, 6): what is drawn, where it lies for the eye and what lights
 //! it. Every renderer walks this way and only draws.
 
+mod objects;
+
 use std::sync::Arc;
 
 use glam::{DVec3, Quat, Vec3};
-use vestibule_physics::{BodyId, ObjectRef};
 use vestibule_view::{Command, LightSet, PolygonRef, SealDepth, Views};
-use vestibule_world::{BlockId, CellId, Frame, StaticRef};
+use vestibule_world::{BlockId, CellId, Frame};
 
-use crate::detail::turned;
-use crate::figure::{FIGURE_HEIGHT, figure};
-use crate::lighting::{Lamp, MAX_OBJECT_LAMPS, OBJECT_RANGE};
+use crate::cell_lamps::CellLamps;
+use crate::lighting::Lamp;
 use crate::mesh::Mesh;
+use crate::model_table::ModelTable;
 use crate::overlaps::overlapping_cells;
 use crate::picture::Picture;
 use crate::place::{EyeFrame, Placed};
 use crate::raster::PixelKind;
 use crate::scene::{LightDetail, RenderSettings, Scene};
 use crate::sky::SkyThing;
+use crate::static_parts::StaticParts;
 
 /// Item of every body in the ids of a picture.
 const BODY_ITEM: u32 = 0x0800_0000;
@@ -116,6 +118,37 @@ pub struct WalkCounters {
     pub confined: u32,
 }
 
+/// What a walk keeps for the next one: static objects resolved to parts, models to meshes, and memory. Keep one beside
+/// each renderer; it follows what is loaded and forgets everything when the scene has other [`Assets`](crate::Assets).
+#[derive(Debug, Default)]
+pub struct WalkMemory {
+    /// Whose they are, by [`Assets::serial`](crate::Assets).
+    assets: u64,
+    statics: StaticParts,
+    models: ModelTable,
+    lamps: CellLamps,
+    points: Vec<DVec3>,
+}
+
+impl WalkMemory {
+    /// Nothing kept yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    fn begin(&mut self, scene: &Scene<'_>) {
+        if self.assets != scene.assets.serial() {
+            *self = WalkMemory {
+                assets: scene.assets.serial(),
+                ..WalkMemory::default()
+            };
+        }
+        self.statics.begin();
+        self.lamps.clear();
+        self.points.clear();
+    }
+}
+
 /// A walk over a picture's commands from first to last.
 #[derive(Debug)]
 pub struct Walk<'a> {
@@ -128,15 +161,18 @@ pub struct Walk<'a> {
     counters: WalkCounters,
     /// Per traversal the rooms that overlap others.
     overlaps: Vec<Vec<CellId>>,
-    /// Lamps of the cells met so far, camera axes, and where each cell's are.
-    lamps: Vec<Lamp>,
-    known: Vec<(CellId, (usize, usize))>,
-    points: Vec<DVec3>,
+    memory: &'a mut WalkMemory,
 }
 
 impl<'a> Walk<'a> {
     /// A walk that has not begun.
-    pub fn new(scene: &'a Scene<'a>, settings: &'a RenderSettings, picture: &'a Picture<'a>) -> Self {
+    pub fn new(
+        scene: &'a Scene<'a>,
+        settings: &'a RenderSettings,
+        picture: &'a Picture<'a>,
+        memory: &'a mut WalkMemory,
+    ) -> Self {
+        memory.begin(scene);
         let floods = picture.frame.filter(|_| settings.confine_overlaps).into_iter();
         let floods = floods.flat_map(|frame| frame.floods().iter());
         Walk {
@@ -148,9 +184,7 @@ impl<'a> Walk<'a> {
             lit: true,
             counters: WalkCounters::default(),
             overlaps: floods.map(|f| overlapping_cells(scene.world, &f)).collect(),
-            lamps: Vec::new(),
-            known: Vec::new(),
-            points: Vec::new(),
+            memory,
         }
     }
 
@@ -193,7 +227,7 @@ impl<'a> Walk<'a> {
                 } = *command
                 {
                     self.see(polygon);
-                    canvas.behind_exit(&self.points);
+                    canvas.behind_exit(&self.memory.points);
                 }
             }
         }
@@ -228,7 +262,7 @@ impl<'a> Walk<'a> {
             Command::FlushAlpha => canvas.flush(),
             Command::Punch { polygon, .. } => {
                 self.see(polygon);
-                canvas.portal(&self.points, PortalDepth::Punch);
+                canvas.portal(&self.memory.points, PortalDepth::Punch);
             }
             Command::Seal { polygon, depth, .. } => {
                 self.see(polygon);
@@ -236,7 +270,7 @@ impl<'a> Walk<'a> {
                     SealDepth::Nearest => PortalDepth::Nearest,
                     SealDepth::True => PortalDepth::Own,
                 };
-                canvas.portal(&self.points, depth);
+                canvas.portal(&self.memory.points, depth);
             }
             Command::Building {
                 block,
@@ -268,10 +302,11 @@ impl<'a> Walk<'a> {
 
     /// Puts a polygon of the frame, in camera axes, into the points.
     fn see(&mut self, polygon: PolygonRef) {
-        self.points.clear();
+        let points = &mut self.memory.points;
+        points.clear();
         let Some(frame) = self.picture.frame else { return };
         let seen = frame.polygon(polygon).iter();
-        self.points.extend(seen.map(|p| self.eye.turn(p.as_dvec3())));
+        points.extend(seen.map(|p| self.eye.turn(p.as_dvec3())));
     }
 
     /// The regions of a room that overlaps others (`rendering.md` 9.5).
@@ -339,25 +374,6 @@ impl<'a> Walk<'a> {
         });
     }
 
-    /// Where the lamps of a cell are in the list.
-    fn lamps_of(&mut self, id: CellId) -> (usize, usize) {
-        if let Some(&(_, range)) = self.known.iter().rev().find(|(known, _)| *known == id) {
-            return range;
-        }
-        let first = self.lamps.len();
-        if let Some(cell) = self.scene.world.env_cell(id).filter(|_| self.lit) {
-            let placed = self.eye.place_block(id.block());
-            let lamps = self.scene.assets.lamps(self.scene.world, cell);
-            self.lamps.extend(lamps.iter().map(|l| Lamp {
-                position: placed.point(l.position).as_vec3(),
-                ..*l
-            }));
-        }
-        let range = (first, self.lamps.len());
-        self.known.push((id, range));
-        range
-    }
-
     fn room(&mut self, id: CellId, edges: &[DVec3], canvas: &mut impl Canvas) {
         let scene = self.scene;
         let cell = scene.world.env_cell(id);
@@ -366,7 +382,10 @@ impl<'a> Walk<'a> {
             self.missing();
             return;
         };
-        let (first, end) = self.lamps_of(id);
+        let lamps = match self.lit {
+            true => self.memory.lamps.of(scene, &self.eye, id),
+            false => &[],
+        };
         canvas.piece(&Piece {
             mesh: &mesh,
             placed: &self.eye.place(id.block(), &cell.frame, Vec3::ONE),
@@ -375,208 +394,9 @@ impl<'a> Walk<'a> {
                 cell: id,
                 item: None,
             },
-            light: PieceLight::Shell {
-                cell: id,
-                lamps: &self.lamps[first..end],
-            },
+            light: PieceLight::Shell { cell: id, lamps },
             opacity: 1.0,
             edges,
         });
-    }
-
-    fn object(&mut self, id: ObjectRef, cell: CellId, edges: &[DVec3], canvas: &mut impl Canvas) {
-        match id {
-            ObjectRef::Static(id) => self.static_object(id, cell, edges, canvas),
-            ObjectRef::Body(id) => self.body(id, cell, edges, canvas),
-        }
-    }
-
-    fn static_object(&mut self, id: StaticRef, cell: CellId, edges: &[DVec3], canvas: &mut impl Canvas) {
-        let Some(object) = self.scene.world.static_object(id) else {
-            self.missing();
-            return;
-        };
-        let thing = Thing {
-            owner: Owner {
-                kind: PixelKind::Object,
-                cell: object.cell,
-                item: Some(id.index),
-            },
-            block: object.cell.block(),
-            listed_in: cell,
-            opacity: 1.0,
-            edges,
-        };
-        for (part, frame) in object.shape.parts.iter().zip(&object.part_frames) {
-            self.part(&thing, part.model_id, frame, part.scale, canvas);
-        }
-    }
-
-    fn body(&mut self, id: BodyId, cell: CellId, edges: &[DVec3], canvas: &mut impl Canvas) {
-        let scene = self.scene;
-        let Some(body) = scene.population.and_then(|p| p.body(id)) else {
-            self.missing();
-            return;
-        };
-        let opacity = if scene.player == Some(id) {
-            scene.player_opacity
-        } else {
-            1.0
-        };
-        if !(opacity > 0.0) {
-            return;
-        }
-        let position = body.position();
-        let thing = Thing {
-            owner: Owner {
-                kind: PixelKind::Object,
-                cell: body.cell().unwrap_or(position.cell),
-                item: Some(BODY_ITEM),
-            },
-            block: position.cell.block(),
-            listed_in: cell,
-            opacity,
-            edges,
-        };
-        let shape = body.shape();
-        let mut parts = shape.parts.iter().zip(body.part_frames()).peekable();
-        if parts.peek().is_some() {
-            for (part, frame) in parts {
-                self.part(&thing, part.model_id, frame, part.scale * body.scale(), canvas);
-            }
-            return;
-        }
-        let tops = shape.spheres.iter().map(|s| s.center.z + s.radius);
-        let tallest = tops.fold(shape.height, |a, b| if b > a { b } else { a });
-        let height = if tallest > 0.1 { tallest } else { FIGURE_HEIGHT };
-        let scale = Vec3::splat(height / FIGURE_HEIGHT * body.scale());
-        let placed = self.eye.place(thing.block, &position.frame, scale);
-        self.lit(&thing, &figure(), &placed, canvas);
-    }
-
-    /// Draws a part of an object at the level for its distance, turned to the viewer if the level says so
-    /// (`rendering.md` 17.1).
-    fn part(&mut self, thing: &Thing<'_>, model: u32, frame: &Frame, scale: Vec3, canvas: &mut impl Canvas) {
-        let eye = self.eye.eye_in(thing.block).as_vec3();
-        // Within the 50 m in which parts have distances of their own everything is drawn in full.
-        let gap = frame.origin - eye;
-        let distance = libm::sqrtf(gap.dot(gap)) / scale.z;
-        let (scene, quality) = (self.scene, self.settings.detail);
-        let level = scene.assets.model_level(scene.world, model, distance, quality);
-        let Some(model) = level.model else { return };
-        let Some(mesh) = scene.assets.model(scene.world, model, None) else {
-            self.missing();
-            return;
-        };
-        let frame = turned(frame, eye, level.mode);
-        let placed = self.eye.place(thing.block, &frame, scale);
-        self.lit(thing, &mesh, &placed, canvas);
-    }
-
-    fn lit(&mut self, thing: &Thing<'_>, mesh: &Arc<Mesh>, placed: &Placed, canvas: &mut impl Canvas) {
-        let mut near = [0u8; MAX_OBJECT_LAMPS];
-        let light = if self.light == LightSet::Sun {
-            PieceLight::Sun
-        } else {
-            let (first, end) = self.lamps_of(thing.listed_in);
-            let lamps = &self.lamps[first..end];
-            let count = nearest(lamps, mesh, placed, &mut near);
-            PieceLight::Indoor {
-                cell: thing.listed_in,
-                lamps,
-                near: &near[..count],
-            }
-        };
-        canvas.piece(&Piece {
-            mesh,
-            placed,
-            owner: thing.owner,
-            light,
-            opacity: thing.opacity,
-            edges: thing.edges,
-        });
-    }
-}
-
-/// An object whose parts are being drawn.
-struct Thing<'t> {
-    owner: Owner,
-    block: BlockId,
-    /// The cell whose lamps light it.
-    listed_in: CellId,
-    opacity: f32,
-    edges: &'t [DVec3],
-}
-
-/// The lamps that reach a mesh, nearest first (`rendering.md` 12.1); returns how many.
-fn nearest(lamps: &[Lamp], mesh: &Mesh, placed: &Placed, out: &mut [u8; MAX_OBJECT_LAMPS]) -> usize {
-    let middle = placed.point(mesh.sphere.center).as_vec3();
-    let mut found = [0.0f32; MAX_OBJECT_LAMPS];
-    let mut count = 0;
-    for (k, lamp) in lamps.iter().enumerate().take(usize::from(u8::MAX)) {
-        let gap = lamp.position - middle;
-        let square = gap.dot(gap);
-        let reach = lamp.falloff * OBJECT_RANGE + mesh.sphere.radius;
-        if !(square < reach * reach) {
-            continue;
-        }
-        let at = found[..count]
-            .iter()
-            .position(|&other| square < other)
-            .unwrap_or(count);
-        if at == MAX_OBJECT_LAMPS {
-            continue;
-        }
-        count = (count + 1).min(MAX_OBJECT_LAMPS);
-        found[at..count].rotate_right(1);
-        out[at..count].rotate_right(1);
-        (found[at], out[at]) = (square, k as u8);
-    }
-    count
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use vestibule_view::Camera;
-
-    #[test]
-    fn r12_1_the_eight_nearest_lamps_that_reach() {
-        let camera = Camera::new(
-            CellId(0xA9B4_0101),
-            Vec3::ZERO,
-            Vec3::Y,
-            Vec3::Z,
-            1.0,
-            glam::Vec2::splat(64.0),
-        )
-        .unwrap();
-        let eye = EyeFrame::new(&camera);
-        let placed = eye.place_block(BlockId(0xA9B4));
-        let mesh = Mesh {
-            sphere: vestibule_world::Sphere {
-                center: Vec3::ZERO,
-                radius: 1.0,
-            },
-            ..Mesh::default()
-        };
-        let lamp = |x: f32, falloff: f32| Lamp {
-            position: Vec3::new(x, 0.0, 0.0),
-            color: Vec3::ONE,
-            intensity: 1.0,
-            falloff,
-        };
-        let mut lamps: Vec<Lamp> = (0..10).map(|k| lamp(11.0 - k as f32, 20.0)).collect();
-        lamps.push(lamp(0.5, 20.0));
-        // Reaches 1.5 * 2 + 1 m.
-        lamps.push(lamp(4.0, 2.0));
-        let mut near = [0; MAX_OBJECT_LAMPS];
-        assert_eq!(nearest(&lamps, &mesh, &placed, &mut near), 8);
-        assert_eq!(near, [10, 9, 8, 7, 6, 5, 4, 3]);
-        assert_eq!(
-            nearest(&lamps[11..], &mesh, &placed, &mut near),
-            0,
-            "strictly nearer"
-        );
     }
 }

@@ -9,8 +9,6 @@
 mod interior;
 mod landscape;
 
-use std::collections::HashMap;
-
 use glam::Vec3;
 use vestibule_physics::ObjectRef;
 use vestibule_world::{BlockId, CellId, World};
@@ -18,8 +16,9 @@ use vestibule_world::{BlockId, CellId, World};
 use crate::camera::{Camera, CameraError};
 use crate::constants::{MAX_EDGES, NEAR_PLANE};
 use crate::flood::{Flood, FloodArena, FloodCounters, FloodSettings};
-use crate::frame_source::{FrameObject, FrameSource};
+use crate::frame_source::FrameSource;
 use crate::look_in::LookIns;
+use crate::number_map::NumberMap;
 use crate::openings::Openings;
 use crate::pview::PView;
 use crate::view::{Edge, Region, full_view};
@@ -271,9 +270,9 @@ pub struct FrameView {
 struct Scratch {
     stamp: u32,
     /// Stamp with which each room and object was last drawn. Only looked up, never walked.
-    rooms: HashMap<CellId, u32>,
-    objects: HashMap<ObjectRef, u32>,
-    sorted: Vec<(u32, u32, FrameObject)>,
+    rooms: NumberMap<CellId, u32>,
+    objects: NumberMap<ObjectRef, u32>,
+    sorted: Vec<(u32, u32, ObjectRef)>,
     block_rings: Vec<(i32, i32)>,
     cell_rings: Vec<(i32, i32)>,
     clip: Vec<Vec3>,

@@ -64,16 +64,13 @@ impl<'a> WorldObjects<'a> {
 
 impl FrameSource for WorldObjects<'_> {
     fn objects_in(&self, cell: CellId, each: &mut dyn FnMut(FrameObject)) {
-        for &id in self.world.statics_in(cell) {
-            let Some(object) = self.world.static_object(id) else {
-                continue;
-            };
-            let offset = vestibule_world::ids::block_offset(cell.block(), object.cell.block());
-            let sphere = object.bounds;
-            each(FrameObject {
-                id: ObjectRef::Static(id),
-                sphere: Sphere::new(sphere.center + offset, sphere.radius),
-            });
+        if let Some(block) = self.world.block(cell.block()) {
+            for (id, sphere) in self.world.shadow_lists(block).with_bounds(cell) {
+                each(FrameObject {
+                    id: ObjectRef::Static(id),
+                    sphere,
+                });
+            }
         }
         let Some(population) = self.population else { return };
         for &id in population.shadows_in(cell) {

@@ -74,7 +74,9 @@ pub mod constants;
 mod flood;
 mod frame;
 mod frame_source;
+mod land_outline;
 mod look_in;
+mod number_map;
 mod openings;
 mod polygon_pieces;
 mod potentially_visible;
@@ -94,6 +96,7 @@ pub use frame::{
 };
 pub use frame_source::{FrameObject, FrameSource, WorldObjects};
 pub use look_in::{LookIn, LookIns};
+pub use number_map::{NumberHasher, NumberMap};
 pub use openings::{BlockOpenings, DoorSpec, HouseSpec, OpeningProblems, Openings, PortalSpec, RoomSpec};
 pub use potentially_visible::{PotentiallyVisible, potentially_visible};
 pub use pview::PView;

@@ -7,6 +7,7 @@ use vestibule_world::{
     ApertureTree, BlockId, Building, CellBsp, CellId, EnvCell, Frame, Landblock, Plane, PortalTarget, World,
 };
 
+use crate::land_outline::LandOutline;
 use crate::polygon_pieces::{Pieces, pieces};
 
 /// No portal, no cell.
@@ -175,6 +176,8 @@ pub struct BlockOpenings {
     pub(crate) vertices: Vec<Vec3>,
     pub(crate) houses: Vec<House>,
     pub(crate) doors: Vec<Door>,
+    /// `None` for rooms given by hand and without terrain.
+    pub(crate) outline: Option<LandOutline>,
     problems: OpeningProblems,
 }
 
@@ -182,6 +185,7 @@ impl BlockOpenings {
     /// Compiles the openings of a loaded landblock.
     pub fn compile(block: &Landblock) -> Self {
         let mut out = Self::empty(block.id, block.env_cells.len());
+        out.outline = LandOutline::of(block);
         let mut links = Vec::new();
         for cell in block.env_cells() {
             out.add_env_cell(cell, &mut links);
@@ -248,6 +252,7 @@ impl BlockOpenings {
             vertices: Vec::new(),
             houses: Vec::new(),
             doors: Vec::new(),
+            outline: None,
             problems: OpeningProblems::default(),
         }
     }

@@ -77,19 +77,22 @@ impl<'a> Region<'a> {
         answer
     }
 
-    /// Whether some of a box may be inside: no plane has all corners outside. Corners are eye-relative, in the order of
-    /// [`BoundingBox::corners`](vestibule_world::BoundingBox::corners).
-    pub fn meets_box(&self, corners: &[Vec3; 8], forward: Vec3, near: f32) -> InView {
+    /// Whether some of a sphere may be inside, as [`Region::sphere`] tells.
+    #[inline]
+    pub(crate) fn shows_sphere(&self, center: Vec3, radius: f32, forward: Vec3, near: f32) -> bool {
+        (self.edges.is_empty() || !(forward.dot(center) - near < -radius))
+            && self.edges.iter().all(|e| !(e.normal.dot(center) < -radius))
+    }
+
+    /// Whether some of a box may be inside: no plane has all corners outside. `low` and `high` are its corners with the
+    /// smallest and the largest coordinates, relative to the eye.
+    pub fn meets_box(&self, low: Vec3, high: Vec3, forward: Vec3, near: f32) -> InView {
         let mut answer = InView::Inside;
         let mut outside = |normal: Vec3, offset: f32| {
-            // The corner farthest along the normal, and the one opposite: rounding keeps them so.
-            let far = usize::from(normal.x > 0.0)
-                | usize::from(normal.y > 0.0) << 1
-                | usize::from(normal.z > 0.0) << 2;
-            if normal.dot(corners[far]) < offset {
+            if farthest(low, high, normal) < offset {
                 return true;
             }
-            if normal.dot(corners[7 - far]) < offset {
+            if farthest(high, low, normal) < offset {
                 answer = InView::Partial;
             }
             false
@@ -104,6 +107,16 @@ impl<'a> Region<'a> {
             }
         }
         answer
+    }
+
+    /// Whether some of a box may be inside, as [`Region::meets_box`] tells.
+    #[inline]
+    pub(crate) fn shows_box(&self, low: Vec3, high: Vec3, forward: Vec3, near: f32) -> bool {
+        (self.edges.is_empty() || !(farthest(low, high, forward) < near))
+            && self
+                .edges
+                .iter()
+                .all(|e| !(farthest(low, high, e.normal) < -crate::constants::EPSILON))
     }
 
     /// The region's corners in pixels of the camera's screen, y down. Corners that do not lie ahead are left out.
@@ -147,6 +160,13 @@ impl<'a> Region<'a> {
     pub fn middle(&self) -> Option<Vec3> {
         (!self.edges.is_empty()).then(|| self.edges.iter().map(|e| e.corner).sum())
     }
+}
+
+/// How far along a normal the corner of a box lies that lies farthest: rounding keeps it the farthest. With the corners
+/// exchanged, the one opposite.
+#[inline]
+fn farthest(low: Vec3, high: Vec3, normal: Vec3) -> f32 {
+    normal.dot(Vec3::select(normal.cmpgt(Vec3::ZERO), high, low))
 }
 
 pub(crate) fn lower(a: f32, b: f32) -> f32 {

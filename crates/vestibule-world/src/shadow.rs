@@ -21,6 +21,8 @@ pub struct ShadowLists {
     refs: Box<[StaticRef]>,
     /// How far each of `refs` reaches, in the frame of the lists' landblock.
     reaches: Box<[StaticReach]>,
+    /// What each of `refs` is drawn in, in the frame of the lists' landblock.
+    bounds: Box<[Sphere]>,
 }
 
 /// How far a static object that can be run into reaches, in the frame of the lists' landblock.
@@ -48,6 +50,15 @@ impl ShadowLists {
         refs.iter().copied().zip(self.reaches.get(range).unwrap_or(&[]))
     }
 
+    /// As [`ShadowLists::of`], with [`StaticObject::bounds`] of each object, in the frame of the lists' landblock.
+    #[inline]
+    pub fn with_bounds(&self, cell: CellId) -> impl Iterator<Item = (StaticRef, Sphere)> {
+        let range = self.range(cell);
+        let refs = self.refs.get(range.clone()).unwrap_or(&[]);
+        let bounds = self.bounds.get(range).unwrap_or(&[]);
+        refs.iter().copied().zip(bounds.iter().copied())
+    }
+
     /// Whether no static object reaches a cell.
     #[inline]
     pub fn is_empty_in(&self, cell: CellId) -> bool {
@@ -64,13 +75,16 @@ impl ShadowLists {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&*self.starts) + size_of_val(&*self.refs)
+        size_of_val(&*self.starts)
+            + size_of_val(&*self.refs)
+            + size_of_val(&*self.reaches)
+            + size_of_val(&*self.bounds)
     }
 
     /// Builds the lists of `block` from its own statics and those of the blocks around it.
     pub(crate) fn build(world: &World, block: &Landblock) -> Self {
         let cells = LAND_CELLS + block.env_cells.len();
-        let mut found: Vec<(usize, StaticRef, StaticReach)> = Vec::new();
+        let mut found: Vec<(usize, StaticRef, StaticReach, Sphere)> = Vec::new();
         for dx in -1..=1 {
             for dy in -1..=1 {
                 let Some(id) = block.id.neighbour(dx, dy) else {
@@ -88,12 +102,15 @@ impl ShadowLists {
                     let placed = near.statics.get(index as usize);
                     if let (Some(slot), Some(object)) = (slot(cell).filter(|&s| s < cells), placed) {
                         let mut sphere = bounding_sphere_of(object);
-                        sphere.center += block_offset(block.id, object.cell.block());
+                        let offset = block_offset(block.id, object.cell.block());
+                        sphere.center += offset;
+                        let bounds = Sphere::new(object.bounds.center + offset, object.bounds.radius);
                         let stretch = if object.shape.has_physics_bsp { 1.0 } else { 1.5 };
                         found.push((
                             slot,
                             StaticRef { block: id, index },
                             StaticReach { sphere, stretch },
+                            bounds,
                         ));
                     }
                 }
@@ -112,8 +129,9 @@ impl ShadowLists {
         }
         ShadowLists {
             starts: starts.into(),
-            refs: found.iter().map(|&(_, r, _)| r).collect(),
-            reaches: found.iter().map(|&(.., reach)| reach).collect(),
+            refs: found.iter().map(|&(_, r, ..)| r).collect(),
+            reaches: found.iter().map(|&(_, _, reach, _)| reach).collect(),
+            bounds: found.iter().map(|&(.., bounds)| bounds).collect(),
         }
     }
 }

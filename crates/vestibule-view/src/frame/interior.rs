@@ -3,11 +3,13 @@
 use glam::Vec3;
 use vestibule_world::{CellId, World};
 
-use super::{Command, FrameInput, FramePath, FrameView, LightSet, PolygonRef, SealDepth, Views};
+use super::{
+    Command, FrameInput, FramePath, FrameView, LightSet, PolygonRef, SealDepth, Views, active_regions,
+};
 use crate::camera::Camera;
 use crate::frame_source::FrameSource;
 use crate::openings::{BlockOpenings, Openings};
-use crate::view::{Edge, InView, full_view};
+use crate::view::{Edge, Region, full_view};
 
 impl FrameView {
     pub(super) fn draw_inside(
@@ -128,7 +130,8 @@ impl FrameView {
             let Some(cell) = self.cell_of(flood, at) else {
                 continue;
             };
-            self.draw_objects(cell, Views::Cell { flood, cell: at }, source, camera);
+            let eye = camera.eye_in(cell.block());
+            self.draw_objects(cell, Views::Cell { flood, cell: at }, source, camera, eye);
         }
         self.commands.push(Command::Light(LightSet::Sun));
     }
@@ -141,42 +144,43 @@ impl FrameView {
             .map(|c| c.id)
     }
 
-    /// The objects of a cell, far to near, that one of the views shows (`visibility.md` 11), once per stamp.
+    /// The objects of a cell, far to near, that one of the views shows (`visibility.md` 11), once per stamp. The eye is in
+    /// the frame of the cell's landblock.
     pub(super) fn draw_objects(
         &mut self,
         cell: CellId,
         views: Views,
         source: &dyn FrameSource,
         camera: &Camera,
+        eye: Vec3,
     ) {
-        let eye = camera.eye_in(cell.block());
-        let mut sorted = core::mem::take(&mut self.scratch.sorted);
-        sorted.clear();
-        source.objects_in(cell, &mut |mut object| {
-            object.sphere.center -= eye;
-            let gap = object.sphere.center;
-            let distance = gap.dot(gap);
-            if distance.is_finite() {
-                sorted.push((distance.to_bits(), sorted.len() as u32, object));
+        let mut shown = core::mem::take(&mut self.scratch.sorted);
+        source.objects_in(cell, &mut |object| {
+            let (center, radius) = (object.sphere.center - eye, object.sphere.radius);
+            let distance = center.dot(center);
+            if distance.is_finite() && self.shows_sphere(views, center, radius, camera) {
+                shown.push((distance.to_bits(), shown.len() as u32, object.id));
             }
         });
-        // Far to near, stable: bits of non-negative floats sort as the floats do.
-        sorted.sort_unstable_by_key(|&(distance, at, _)| (core::cmp::Reverse(distance), at));
-        for (_, _, object) in &sorted {
-            let (center, radius) = (object.sphere.center, object.sphere.radius);
-            let (forward, near) = (camera.forward(), camera.near());
-            let shown = self
-                .regions(views)
-                .any(|r| r.sphere(center, radius, forward, near) != InView::Outside);
-            if shown && self.scratch.first_object(object.id) {
-                self.commands.push(Command::Object {
-                    id: object.id,
-                    cell,
-                    views,
-                });
+        if shown.len() > 1 {
+            // Far to near, stable: bits of non-negative floats sort as the floats do.
+            shown.sort_unstable_by_key(|&(distance, at, _)| (core::cmp::Reverse(distance), at));
+        }
+        for (_, _, id) in shown.drain(..) {
+            if self.scratch.first_object(id) {
+                self.commands.push(Command::Object { id, cell, views });
             }
         }
-        self.scratch.sorted = sorted;
+        self.scratch.sorted = shown;
+    }
+
+    /// Whether a sphere around something, its centre relative to the eye, shows through one of the views.
+    fn shows_sphere(&self, views: Views, center: Vec3, radius: f32, camera: &Camera) -> bool {
+        let shows = |r: Region<'_>| r.shows_sphere(center, radius, camera.forward(), camera.near());
+        match views {
+            Views::Landscape => active_regions(&self.active_edges, &self.active).any(shows),
+            Views::Cell { .. } => self.regions(views).any(shows),
+        }
     }
 }
 

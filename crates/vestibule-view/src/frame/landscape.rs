@@ -2,19 +2,15 @@
 //! (`rendering.md` 6, `visibility.md` 8, 10).
 
 use glam::Vec3;
-use vestibule_world::{BlockId, BoundingBox, Building, CellId, Land, Landblock, World, is_over_block};
+use vestibule_world::{BlockId, BoundingBox, Building, CellId, Landblock, World};
 
 use super::{Command, FrameInput, FrameView, LightSet, Views, active_regions};
 use crate::camera::Camera;
 use crate::frame_source::FrameSource;
+use crate::land_outline::{block_bounds, cell_bounds};
 use crate::openings::{BlockOpenings, Openings};
 use crate::ring_order::{nearest_cell, rings};
 use crate::view::InView;
-
-/// Side of a land cell, metres.
-const SQUARE: f32 = vestibule_world::constants::SQUARE_LENGTH;
-/// Side of a landblock, metres.
-const BLOCK: f32 = vestibule_world::constants::BLOCK_LENGTH;
 
 impl FrameView {
     /// The landscape under the active views (`rendering.md` 6.2).
@@ -79,11 +75,19 @@ impl FrameView {
         cells: &[(i32, i32)],
     ) {
         let Some(land) = &place.block.land else { return };
-        let seen = self.box_in_view(&block_bounds(place.block, land), place.eye, camera);
+        let id = place.block.id;
+        let with_objects = place.ring <= self.settings.object_rings.max(self.settings.full_detail_rings);
+        let doors = if with_objects {
+            openings.block(world, id)
+        } else {
+            None
+        };
+        let outline = doors.and_then(|d| d.outline.as_ref());
+        let bounds = outline.map_or_else(|| block_bounds(place.block, land), |o| o.bounds);
+        let seen = self.box_in_view(&bounds, place.eye, camera);
         if seen == InView::Outside {
             return;
         }
-        let id = place.block.id;
         let full = place.ring <= self.settings.full_detail_rings;
         if !full {
             let stride = match place.ring {
@@ -93,26 +97,30 @@ impl FrameView {
             };
             self.commands.push(Command::TerrainBlock { block: id, stride });
         }
-        if place.ring > self.settings.object_rings.max(self.settings.full_detail_rings) {
+        if !with_objects {
             return;
         }
-        let doors = openings.block(world, id);
         for &(dx, dy) in cells.iter().rev() {
             let (x, y) = (place.nearest.0 + dx, place.nearest.1 + dy);
             if !(0..8).contains(&x) || !(0..8).contains(&y) {
                 continue;
             }
-            let cell = CellId::new(id, (1 + 8 * x + y) as u16);
-            if full && self.cell_in_view(land, x, y, seen, place.eye, camera) {
+            let k = (8 * x + y) as usize;
+            let cell = CellId::new(id, (1 + k) as u16);
+            let bounds = || outline.map_or_else(|| cell_bounds(land, k), |o| o.cell_bounds(k));
+            if full && (seen == InView::Inside || self.shows_box(&bounds(), place.eye, camera)) {
                 self.commands.push(Command::Terrain(cell));
             }
-            let building = place.block.land_cell(cell).and_then(|c| c.building);
+            let building = match outline {
+                Some(outline) => outline.building(k),
+                None => place.block.land_cell(cell).and_then(|c| c.building),
+            };
             if let Some((index, building)) =
                 building.and_then(|i| Some((u32::from(i), place.block.buildings.get(usize::from(i))?)))
             {
                 self.draw_building(doors, source, camera, place, index, building);
             }
-            self.draw_objects(cell, Views::Landscape, source, camera);
+            self.draw_objects(cell, Views::Landscape, source, camera, place.eye);
         }
     }
 
@@ -171,7 +179,7 @@ impl FrameView {
             let flood = self.look_ins.list[at].flood;
             self.draw_cells(flood, source, camera);
         }
-        if self.box_in_view(&building.bounds, place.eye, camera) != InView::Outside {
+        if self.shows_box(&building.bounds, place.eye, camera) {
             self.commands.push(Command::Light(LightSet::Sun));
             self.commands.push(Command::Building {
                 block,
@@ -181,29 +189,20 @@ impl FrameView {
         }
     }
 
-    /// Whether a box of the block's frame shows through any active view (`visibility.md` 10.1).
+    /// How a box of a block lies to the active views; the eye in the block's frame (`visibility.md` 10.1).
     fn box_in_view(&self, bounds: &BoundingBox, eye: Vec3, camera: &Camera) -> InView {
-        let corners = bounds.corners().map(|c| c - eye);
-        let test = |r: crate::view::Region<'_>| r.meets_box(&corners, camera.forward(), camera.near());
+        let (low, high) = (bounds.min - eye, bounds.max - eye);
         active_regions(&self.active_edges, &self.active)
-            .map(test)
+            .map(|r| r.meets_box(low, high, camera.forward(), camera.near()))
             .max()
             .unwrap_or(InView::Outside)
     }
 
-    fn cell_in_view(&self, land: &Land, x: i32, y: i32, block: InView, eye: Vec3, camera: &Camera) -> bool {
-        if block == InView::Inside {
-            return true;
-        }
-        let corner = |dx: i32, dy: i32| {
-            let (x, y) = (x + dx, y + dy);
-            let z = land.heights.get((x * 9 + y) as usize).copied().unwrap_or(0.0);
-            Vec3::new(x as f32 * SQUARE, y as f32 * SQUARE, z)
-        };
-        let Some(bounds) = BoundingBox::of([corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)]) else {
-            return true;
-        };
-        self.box_in_view(&bounds, eye, camera) != InView::Outside
+    /// Whether a box of a block shows through any active view.
+    fn shows_box(&self, bounds: &BoundingBox, eye: Vec3, camera: &Camera) -> bool {
+        let (low, high) = (bounds.min - eye, bounds.max - eye);
+        active_regions(&self.active_edges, &self.active)
+            .any(|r| r.shows_box(low, high, camera.forward(), camera.near()))
     }
 }
 
@@ -215,25 +214,4 @@ struct Place<'w> {
     nearest: (i32, i32),
     /// In the block's frame.
     eye: Vec3,
-}
-
-/// The box of a block's terrain, extended by its buildings (`visibility.md` 8.1).
-fn block_bounds(block: &Landblock, land: &Land) -> BoundingBox {
-    let (low, high) = land.z_limits;
-    let mut bounds = BoundingBox {
-        min: Vec3::new(0.0, 0.0, low),
-        max: Vec3::new(BLOCK, BLOCK, high),
-    };
-    for building in &block.buildings {
-        let b = building.bounds;
-        bounds.grow(b.min);
-        bounds.grow(b.max);
-    }
-    for object in &block.statics[..(block.land_statics as usize).min(block.statics.len())] {
-        // Objects may stand higher than the terrain's margin or over the border.
-        if is_over_block(object.frame.origin) {
-            bounds.grow(object.frame.origin);
-        }
-    }
-    bounds
 }

@@ -22,11 +22,23 @@ impl Hasher for NumberHasher {
         self.0 = (self.0 ^ v).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     }
 
+    fn write_u8(&mut self, v: u8) {
+        self.write_u64(u64::from(v));
+    }
+
+    fn write_u16(&mut self, v: u16) {
+        self.write_u64(u64::from(v));
+    }
+
     fn write_u32(&mut self, v: u32) {
         self.write_u64(u64::from(v));
     }
 
     fn write_usize(&mut self, v: usize) {
+        self.write_u64(v as u64);
+    }
+
+    fn write_isize(&mut self, v: isize) {
         self.write_u64(v as u64);
     }
 }
