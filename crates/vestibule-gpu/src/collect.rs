@@ -18,7 +18,7 @@ use crate::mesh_light::MeshLight;
 use crate::meshes::{Batch, Meshes};
 use crate::pipelines::{Key, Kind, Pipelines, blend_key};
 use crate::textures::Textures;
-use crate::uniforms::{ALPHA, BY_POLYGON, FOGGED, Instance, LightKind};
+use crate::uniforms::{BY_POLYGON, Instance, LightKind};
 
 /// Where assets are kept on the GPU.
 pub(crate) struct Store<'a> {
@@ -202,65 +202,40 @@ impl Screen {
     }
 }
 
-/// What all batches of a placed mesh have in common, and each may change.
-struct Placing<'p> {
-    rows: [[f32; 4]; 3],
-    light: &'p MeshLight,
-    id: [u32; 2],
-    by_polygon: bool,
+/// A placed mesh for shaders, but for its opacity.
+fn instance(placed: &Placed, light: &MeshLight, owner: Option<Owner>) -> Instance {
+    let id = owner.map_or([0; 2], |owner| {
+        let code = match owner.kind {
+            PixelKind::Building => 2,
+            PixelKind::Room => 3,
+            _ => 4u32,
+        };
+        [owner.cell.0, code << 28 | owner.item.unwrap_or(0) & 0x0FFF_FFFF]
+    });
+    let by_polygon = owner.is_some_and(|o| o.item.is_none());
+    let flags = light.kind as u32 | if by_polygon { BY_POLYGON } else { 0 };
+    Instance {
+        rows: placed.rows(),
+        fade: [light.own, 1.0],
+        how: [
+            flags | light.count << 8 | u32::from(light.planes.count) << 24,
+            u32::from(light.lamps.first) | u32::from(light.planes.first) << 16,
+            light.near[0],
+            light.near[1],
+        ],
+        id,
+    }
 }
 
-impl<'p> Placing<'p> {
-    fn new(placed: &Placed, light: &'p MeshLight, owner: Option<Owner>) -> Self {
-        let id = owner.map_or([0; 2], |owner| {
-            let code = match owner.kind {
-                PixelKind::Building => 2,
-                PixelKind::Room => 3,
-                _ => 4u32,
-            };
-            [owner.cell.0, code << 28 | owner.item.unwrap_or(0) & 0x0FFF_FFFF]
-        });
-        Placing {
-            rows: placed.rows(),
-            light,
-            id,
-            by_polygon: owner.is_some_and(|o| o.item.is_none()),
-        }
-    }
-
-    fn draw(&self, pipeline: u32, batch: &Batch, opacity: f32) -> Draw {
-        let light = self.light;
-        let own = light.kind == LightKind::Own;
-        let mut flags = light.kind as u32;
-        if batch.fogged && !own {
-            flags |= FOGGED;
-        }
-        if batch.list != DrawList::Now || own {
-            flags |= ALPHA;
-        }
-        if self.by_polygon {
-            flags |= BY_POLYGON;
-        }
-        let [luminosity, diffuse, least] = batch.paint;
-        let layer = u32::from(batch.texture.layer);
-        let listed = light.count > 0 || light.planes.count > 0;
-        Draw {
-            pipeline,
-            texture: batch.texture,
-            window: listed.then_some(light.lamps.window),
-            indices: (batch.first, batch.count),
-            instance: Instance {
-                rows: self.rows,
-                material: [light.own.unwrap_or(luminosity), diffuse, least, opacity],
-                how: [
-                    flags | light.count << 8 | layer << 16 | u32::from(light.planes.count) << 24,
-                    u32::from(light.lamps.first) | u32::from(light.planes.first) << 16,
-                    light.near[0],
-                    light.near[1],
-                ],
-                id: self.id,
-            },
-        }
+fn draw(pipeline: u32, batch: &Batch, light: &MeshLight, mut instance: Instance, opacity: f32) -> Draw {
+    let listed = light.count > 0 || light.planes.count > 0;
+    instance.fade[1] = opacity;
+    Draw {
+        pipeline,
+        array: batch.way.array,
+        window: listed.then_some(light.lamps.window),
+        indices: (batch.first, batch.count),
+        instance,
     }
 }
 
@@ -284,23 +259,24 @@ impl Canvas for Collector<'_> {
         }
         self.barrier();
         let light = MeshLight {
-            own: Some(thing.luminosity),
+            own: thing.luminosity,
             ..MeshLight::plain(LightKind::Own)
         };
-        let placing = Placing::new(placed, &light, None);
+        let instance = instance(placed, &light, None);
         let store = &mut self.store;
         let from = (store.device, store.queue);
         for batch in store.meshes.get(from, store.textures, mesh, store.stamp) {
+            let way = &batch.way;
             let key = Key {
-                blend: blend_key(batch.blend),
+                blend: blend_key(way.blend),
                 test: false,
                 write: false,
-                wrap: batch.wrap,
+                wrap: way.wrap,
                 ..Key::opaque(Kind::Mesh { pixel_lit: false })
             };
-            let opacity = batch.opacity * (1.0 - thing.translucency);
+            let opacity = way.opacity * (1.0 - thing.translucency);
             let pipeline = store.pipelines.prepare(store.device, key);
-            let draw = placing.draw(pipeline, batch, opacity);
+            let draw = draw(pipeline, batch, &light, instance, opacity);
             self.items.mesh(&draw, &mut self.stats);
         }
     }
@@ -364,35 +340,38 @@ impl Canvas for Collector<'_> {
             ids: self.ids,
             ..Key::opaque(Kind::Mesh { pixel_lit })
         };
-        let placing = Placing::new(placed, &light, Some(piece.owner));
+        let instance = instance(placed, &light, Some(piece.owner));
         let faded = piece.opacity < 1.0;
         let store = &mut self.store;
         let from = (store.device, store.queue);
         for batch in store.meshes.get(from, store.textures, mesh, store.stamp) {
-            let wrap = batch.wrap;
-            if batch.list == DrawList::Now && !faded {
+            let way = &batch.way;
+            let wrap = way.wrap;
+            if way.list == DrawList::Now && !faded {
                 let pipeline = store.pipelines.prepare(store.device, Key { wrap, ..opaque });
-                self.items.add_opaque(placing.draw(pipeline, batch, 1.0));
+                self.items
+                    .add_opaque(draw(pipeline, batch, &light, instance, 1.0));
                 continue;
             }
-            let cut_out = batch.list == DrawList::CutOut && !faded;
+            let cut_out = way.list == DrawList::CutOut && !faded;
             if self.ids && !cut_out {
                 continue;
             }
-            let blend = match (self.ids, faded && batch.list == DrawList::Now) {
+            let blend = match (self.ids, faded && way.list == DrawList::Now) {
                 (true, _) => Blend::OPAQUE,
                 (_, true) => Blend::ALPHA,
-                _ => batch.blend,
+                _ => way.blend,
             };
             let key = Key {
                 kind: Kind::Mesh { pixel_lit: false },
                 blend: blend_key(blend),
-                write: batch.writes_depth && !faded,
+                write: way.writes_depth && !faded,
                 wrap,
                 ..opaque
             };
             let pipeline = store.pipelines.prepare(store.device, key);
-            let draw = placing.draw(pipeline, batch, batch.opacity * piece.opacity);
+            let opacity = way.opacity * piece.opacity;
+            let draw = draw(pipeline, batch, &light, instance, opacity);
             self.items.add_deferred(draw, (!cut_out).then(|| middle.length()));
         }
     }

@@ -4,13 +4,12 @@
 
 use vestibule_render::NumberMap;
 
-use crate::textures::Slot;
 use crate::uniforms::{FrameUniform, IndexStream, Instance, Lists, Sent, Stream};
 
 /// One thing the GPU is told to do.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Item {
-    /// Instances of triangles of one material.
+    /// Instances of triangles.
     Mesh {
         pipeline: u32,
         array: u16,
@@ -37,11 +36,12 @@ pub(crate) enum Item {
     ClearDepth,
 }
 
-/// A mesh's triangles of one material, not yet in order.
+/// Triangles of a mesh that are drawn at once, not yet in order.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Draw {
     pub(crate) pipeline: u32,
-    pub(crate) texture: Slot,
+    /// The array of its textures.
+    pub(crate) array: u16,
     pub(crate) window: Option<u16>,
     pub(crate) indices: (u32, u32),
     pub(crate) instance: Instance,
@@ -53,7 +53,7 @@ impl Draw {
     fn order(&self) -> u128 {
         let window = self.window.map_or(0, |w| u128::from(w) + 1);
         u128::from(self.pipeline) << 97
-            | u128::from(self.texture.array) << 81
+            | u128::from(self.array) << 81
             | window << 64
             | u128::from(self.indices.0) << 32
     }
@@ -74,7 +74,6 @@ pub(crate) struct Items {
     pub(crate) ground_indices: IndexStream,
     /// The exits that the landscape is kept behind, in the points.
     pub(crate) limits: (u32, u32),
-    instances: Vec<Instance>,
     pub(crate) points: Vec<[f32; 4]>,
     pub(crate) lists: Lists,
     /// What may be drawn in any order before the next barrier, and what waits for the next flush.
@@ -108,7 +107,6 @@ impl Items {
             stream: Stream::new(device),
             ground_indices: IndexStream::new(device),
             limits: (0, 0),
-            instances: Vec::new(),
             points: Vec::new(),
             lists: Lists::default(),
             opaque: Vec::new(),
@@ -123,7 +121,7 @@ impl Items {
         self.list.clear();
         self.ground_indices.indices.clear();
         self.limits = (0, 0);
-        self.instances.clear();
+        self.stream.begin();
         self.points.clear();
         self.lists.clear();
         self.opaque.clear();
@@ -144,7 +142,6 @@ impl Items {
         let sent = Sent {
             frame,
             lists: &self.lists,
-            instances: &self.instances,
             points: &self.points,
             lands,
         };
@@ -206,8 +203,7 @@ impl Items {
 
     /// Draws instances of triangles; those of the same as before, with it.
     pub(crate) fn mesh(&mut self, draw: &Draw, stats: &mut FrameStats) {
-        let at = self.instances.len() as u32;
-        self.instances.push(draw.instance);
+        let at = self.stream.add(&draw.instance);
         stats.triangles += draw.indices.1 / 3;
         if let Some(Item::Mesh {
             pipeline,
@@ -216,7 +212,7 @@ impl Items {
             indices,
             instances,
         }) = self.list.last_mut()
-            && (*pipeline, *array, *window) == (draw.pipeline, draw.texture.array, draw.window)
+            && (*pipeline, *array, *window) == (draw.pipeline, draw.array, draw.window)
             && *indices == draw.indices
         {
             instances.1 = at + 1;
@@ -225,7 +221,7 @@ impl Items {
         stats.draws += 1;
         self.list.push(Item::Mesh {
             pipeline: draw.pipeline,
-            array: draw.texture.array,
+            array: draw.array,
             window: draw.window,
             indices: draw.indices,
             instances: (at, at + 1),

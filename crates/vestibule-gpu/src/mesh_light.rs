@@ -15,8 +15,8 @@ pub(crate) struct MeshLight {
     pub(crate) planes: Part,
     pub(crate) count: u32,
     pub(crate) near: [u32; 2],
-    /// Of its own, in place of the material's.
-    pub(crate) own: Option<f32>,
+    /// Luminosity in place of the material's, for [`LightKind::Own`].
+    pub(crate) own: f32,
 }
 
 impl MeshLight {
@@ -27,7 +27,7 @@ impl MeshLight {
             planes: Part::default(),
             count: 0,
             near: [0; 2],
-            own: None,
+            own: 0.0,
         }
     }
     /// The light on a piece; lamps and planes go into the lists.

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use vestibule_render::{Blend, DrawList, Material, Mesh, NumberMap, Texture};
+use vestibule_render::{Blend, DrawList, Material, Mesh, MeshFace, NumberMap, Texture};
 
 use crate::arena::Arena;
 use crate::textures::{KEPT_FRAMES, Slot, Textures};
+use crate::uniforms::{ALPHA, FOGGED};
 
 /// A corner as `shaders/mesh.wgsl` reads it.
 #[repr(C)]
@@ -16,50 +17,70 @@ pub(crate) struct Corner {
     normal: [f32; 3],
     uv: [f32; 2],
     polygon: u32,
+    /// Flags of its material and, from bit 16, the layer of its texture.
+    surface: u32,
+    /// Luminosity, diffuse, least alpha.
+    paint: [f32; 3],
 }
 
 pub(crate) const CORNER_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
     array_stride: size_of::<Corner>() as u64,
     step_mode: wgpu::VertexStepMode::Vertex,
-    attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Uint32],
+    attributes: &wgpu::vertex_attr_array![
+        0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Uint32, 10 => Uint32, 11 => Float32x3
+    ],
 };
 
-/// Triangles of one material, with all of it that a draw needs: nothing else has to be looked at.
-#[derive(Clone, Copy, Debug)]
+/// Triangles that are drawn at once: of materials that differ in nothing but what corners hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Batch {
     /// In the buffer of indices.
     pub(crate) first: u32,
     pub(crate) count: u32,
-    pub(crate) texture: Slot,
+    pub(crate) way: Way,
+}
+
+/// How a batch is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Way {
+    /// The array of its textures.
+    pub(crate) array: u16,
     pub(crate) wrap: bool,
-    pub(crate) fogged: bool,
     pub(crate) writes_depth: bool,
     pub(crate) list: DrawList,
     pub(crate) blend: Blend,
     pub(crate) opacity: f32,
-    /// Luminosity, diffuse, least alpha.
-    pub(crate) paint: [f32; 3],
 }
 
-impl Batch {
-    fn new(material: &Material, texture: Slot, wrap: bool, (first, count): (u32, u32)) -> Self {
-        let least = material.alpha_test;
-        Batch {
-            first,
-            count,
-            texture,
-            wrap,
-            fogged: material.fogged,
+/// Faces of one material.
+struct Group<'m> {
+    material: &'m Arc<Material>,
+    wrap: bool,
+    faces: Vec<&'m MeshFace>,
+}
+
+impl Group<'_> {
+    fn way(&self, array: u16) -> Way {
+        let material = self.material;
+        Way {
+            array,
+            wrap: self.wrap,
             writes_depth: material.writes_depth(),
             list: material.list,
             blend: material.blend,
             opacity: material.opacity,
-            paint: [
-                material.luminosity,
-                material.diffuse,
-                least.map_or(0.0, |limit| (f32::from(limit) - 0.25) / 255.0),
-            ],
         }
+    }
+
+    /// What its corners hold of the material.
+    fn paint(&self, slot: Slot) -> (u32, [f32; 3]) {
+        let material = self.material;
+        let flag = |on: bool, bit: u32| if on { bit } else { 0 };
+        let flags = flag(material.fogged, FOGGED) | flag(material.list != DrawList::Now, ALPHA);
+        let least = material.alpha_test;
+        let least = least.map_or(0.0, |limit| (f32::from(limit) - 0.25) / 255.0);
+        let paint = [material.luminosity, material.diffuse, least];
+        (flags | u32::from(slot.layer) << 16, paint)
     }
 }
 
@@ -67,7 +88,7 @@ impl Batch {
 pub(crate) struct GpuMesh {
     pub(crate) source: Arc<Mesh>,
     batches: Box<[Batch]>,
-    /// One a batch.
+    /// Those it holds, some more than once.
     textures: Box<[Arc<Texture>]>,
     /// Corners and indices (first, count) in the arenas.
     corners: (u64, u64),
@@ -154,8 +175,6 @@ impl Meshes {
         source: &Arc<Mesh>,
         frame: u64,
     ) -> GpuMesh {
-        let (corners, groups) = grouped(source);
-        let count = groups.iter().map(|(.., list)| list.len() as u64).sum();
         let mut made = GpuMesh {
             source: source.clone(),
             batches: Box::default(),
@@ -164,69 +183,95 @@ impl Meshes {
             indices: (0, 0),
             used: frame,
         };
-        if count == 0 {
+        let mut groups: Vec<(Group<'_>, Slot)> = Vec::new();
+        for group in grouped(source) {
+            let slot = textures.get(device, queue, &group.material.texture);
+            groups.push((group, slot));
+        }
+        if groups.is_empty() {
             return made;
+        }
+        made.textures = groups.iter().map(|(g, _)| g.material.texture.clone()).collect();
+        // What is drawn at once may be in any order: alike next to alike.
+        groups.sort_by_key(|(g, slot)| match g.material.list {
+            DrawList::Now => (false, g.wrap, slot.array),
+            _ => (true, false, 0),
+        });
+        let (mut corners, mut indices) = (Vec::with_capacity(source.vertices.len()), Vec::new());
+        let mut batches: Vec<Batch> = Vec::new();
+        for (group, slot) in &groups {
+            let (way, first) = (group.way(slot.array), indices.len() as u32);
+            add_triangles(source, group, *slot, &mut corners, &mut indices);
+            let count = indices.len() as u32 - first;
+            match batches.last_mut() {
+                Some(last) if last.way == way => last.count += count,
+                _ => batches.push(Batch { first, count, way }),
+            }
         }
         let Some(at) = self.corners.take(device, queue, corners.len() as u64) else {
             return made;
         };
         made.corners = (at, corners.len() as u64);
         self.corners.write(queue, at, bytemuck::cast_slice(&corners));
-        let lists = groups.iter().flat_map(|(.., list)| list);
-        let all: Vec<u32> = lists.map(|i| i + at as u32).collect();
-        let Some(at) = self.indices.take(device, queue, count) else {
+        indices.iter_mut().for_each(|i| *i += at as u32);
+        let Some(at) = self.indices.take(device, queue, indices.len() as u64) else {
             return made;
         };
-        made.indices = (at, count);
-        self.indices.write(queue, at, bytemuck::cast_slice(&all));
-        let mut first = at as u32;
-        let batch = |(material, wrap, list): &(Arc<Material>, bool, Vec<u32>)| {
-            let range = (first, list.len() as u32);
-            first += range.1;
-            Batch::new(
-                material,
-                textures.get(device, queue, &material.texture),
-                *wrap,
-                range,
-            )
-        };
-        made.batches = groups.iter().map(batch).collect();
-        made.textures = groups.iter().map(|(m, ..)| m.texture.clone()).collect();
+        made.indices = (at, indices.len() as u64);
+        self.indices.write(queue, at, bytemuck::cast_slice(&indices));
+        batches.iter_mut().for_each(|b| b.first += at as u32);
+        made.batches = batches.into();
         made
     }
 }
 
-/// Corners, and triangles by what they are painted with; what is drawn at once may be grouped, what is put aside keeps
-/// its order.
-fn grouped(source: &Mesh) -> (Vec<Corner>, Vec<(Arc<Material>, bool, Vec<u32>)>) {
-    let mut corners: Vec<Corner> = Vec::with_capacity(source.vertices.len());
-    let mut groups: Vec<(Arc<Material>, bool, Vec<u32>)> = Vec::new();
-    for face in &source.faces {
+/// Faces by what they are painted with; what is drawn at once may be grouped, what is put aside keeps its order.
+fn grouped(source: &Mesh) -> Vec<Group<'_>> {
+    let mut groups: Vec<Group<'_>> = Vec::new();
+    for face in source.faces.iter().filter(|f| source.corners(f).len() >= 3) {
         let Some(material) = source.materials.get(face.material as usize) else {
             continue;
         };
+        let same = |g: &Group<'_>| Arc::ptr_eq(g.material, material) && g.wrap == face.wrap;
+        let slot = if material.list == DrawList::Now {
+            groups.iter().position(same)
+        } else {
+            groups.len().checked_sub(1).filter(|&k| same(&groups[k]))
+        };
+        match slot.and_then(|k| groups.get_mut(k)) {
+            Some(group) => group.faces.push(face),
+            None => groups.push(Group {
+                material,
+                wrap: face.wrap,
+                faces: vec![face],
+            }),
+        }
+    }
+    groups
+}
+
+/// Adds the corners of a group's faces, and its triangles.
+fn add_triangles(
+    source: &Mesh,
+    group: &Group<'_>,
+    slot: Slot,
+    corners: &mut Vec<Corner>,
+    indices: &mut Vec<u32>,
+) {
+    let (surface, paint) = group.paint(slot);
+    for face in &group.faces {
         let first = corners.len() as u32;
         corners.extend(source.corners(face).iter().map(|v| Corner {
             position: v.position.to_array(),
             normal: v.normal.to_array(),
             uv: v.uv.to_array(),
             polygon: u32::from(face.polygon),
+            surface,
+            paint,
         }));
-        let same = |g: &(Arc<Material>, bool, Vec<u32>)| Arc::ptr_eq(&g.0, material) && g.1 == face.wrap;
-        let slot = if material.list == DrawList::Now {
-            groups.iter().position(same)
-        } else {
-            groups.len().checked_sub(1).filter(|&k| same(&groups[k]))
-        };
-        let slot = slot.unwrap_or_else(|| {
-            groups.push((material.clone(), face.wrap, Vec::new()));
-            groups.len() - 1
-        });
         let count = corners.len() as u32 - first;
         for k in 1..count.saturating_sub(1) {
-            groups[slot].2.extend([first, first + k, first + k + 1]);
+            indices.extend([first, first + k, first + k + 1]);
         }
     }
-    groups.retain(|(.., list)| !list.is_empty());
-    (corners, groups)
 }

@@ -371,7 +371,7 @@ impl Renderer {
         }
         let stream = &self.items.stream;
         pass.set_vertex_buffer(0, self.meshes.corners.buffer.slice(..));
-        pass.set_vertex_buffer(1, stream.buffer.slice(u64::from(stream.instances)..));
+        pass.set_vertex_buffer(1, stream.buffer.slice(stream.instances()..));
         pass.set_vertex_buffer(2, self.ground.corners.buffer.slice(..));
         pass.set_vertex_buffer(3, stream.buffer.slice(u64::from(stream.points)..));
         let mut state = State::default();

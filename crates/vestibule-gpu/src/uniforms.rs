@@ -111,10 +111,10 @@ pub(crate) const BY_POLYGON: u32 = 1 << 4;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Instance {
     pub(crate) rows: [[f32; 4]; 3],
-    /// Luminosity, diffuse, least alpha, opacity.
-    pub(crate) material: [f32; 4],
-    /// Kind of light and flags, number of lamps, layer of the texture, number of planes: a byte each; first lamp and
-    /// first plane in the window, 16 bits each; the lamps of an object, a byte each from the first.
+    /// Luminosity in place of the material's where the light is its own, opacity.
+    pub(crate) fade: [f32; 2],
+    /// Kind of light and flags, number of lamps, nothing, number of planes: a byte each; first lamp and first plane in the
+    /// window, 16 bits each; the lamps of an object, a byte each from the first.
     pub(crate) how: [u32; 4],
     /// Cell, code and item.
     pub(crate) id: [u32; 2],
@@ -124,7 +124,7 @@ pub(crate) const INSTANCE_LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::Vert
     array_stride: size_of::<Instance>() as u64,
     step_mode: wgpu::VertexStepMode::Instance,
     attributes: &wgpu::vertex_attr_array![
-        4 => Float32x4, 5 => Float32x4, 6 => Float32x4, 7 => Float32x4, 8 => Uint32x4, 9 => Uint32x2
+        4 => Float32x4, 5 => Float32x4, 6 => Float32x4, 7 => Float32x2, 8 => Uint32x4, 9 => Uint32x2
     ],
 };
 
@@ -213,16 +213,18 @@ pub(crate) struct Stream {
     pub(crate) lands: u32,
     /// Where each window begins.
     pub(crate) windows: Vec<u32>,
-    /// Where instances, and the corners of punches and seals, begin.
-    pub(crate) instances: u32,
+    /// Where the corners of punches and seals begin.
     pub(crate) points: u32,
 }
+
+/// Where the frame's uniforms begin, and the instances, which come first.
+const UNIFORMS: [usize; 2] = [0, size_of::<FrameUniform>().next_multiple_of(ALIGNMENT)];
+const INSTANCES: usize = 2 * UNIFORMS[1];
 
 /// What a frame sends.
 pub(crate) struct Sent<'s> {
     pub(crate) frame: &'s FrameUniform,
     pub(crate) lists: &'s Lists,
-    pub(crate) instances: &'s [Instance],
     pub(crate) points: &'s [[f32; 4]],
     pub(crate) lands: &'s [[f32; 4]],
 }
@@ -232,12 +234,29 @@ impl Stream {
         Stream {
             buffer: stream(device, 1 << 18),
             bytes: Vec::new(),
-            frames: [0; 2],
+            frames: UNIFORMS.map(|at| at as u32),
             lands: 0,
             windows: Vec::new(),
-            instances: 0,
             points: 0,
         }
+    }
+
+    /// Where the instances begin.
+    pub(crate) fn instances(&self) -> u64 {
+        INSTANCES as u64
+    }
+
+    /// Begins a frame, which has no instances yet.
+    pub(crate) fn begin(&mut self) {
+        self.bytes.clear();
+        self.bytes.resize(INSTANCES, 0);
+    }
+
+    /// Adds an instance; all of a frame come before it is sent. Returns which it is.
+    pub(crate) fn add(&mut self, instance: &Instance) -> u32 {
+        let at = (self.bytes.len() - INSTANCES) / size_of::<Instance>();
+        self.bytes.extend_from_slice(bytemuck::bytes_of(instance));
+        at as u32
     }
 
     fn align(&mut self) -> u32 {
@@ -253,10 +272,11 @@ impl Stream {
 
     /// Sends a frame. Returns whether the buffer is another one now.
     pub(crate) fn send(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, sent: &Sent<'_>) -> bool {
-        self.bytes.clear();
-        self.frames[0] = self.push(&[*sent.frame]);
-        self.frames[1] = self.push(&[sent.frame.behind_exits()]);
-        self.instances = self.push(sent.instances);
+        for (at, frame) in UNIFORMS.into_iter().zip([*sent.frame, sent.frame.behind_exits()]) {
+            if let Some(place) = self.bytes.get_mut(at..at + size_of::<FrameUniform>()) {
+                place.copy_from_slice(bytemuck::bytes_of(&frame));
+            }
+        }
         self.points = self.push(sent.points);
         let lists = self.push(&sent.lists.vectors);
         let bytes = size_of::<[f32; 4]>() as u32;
@@ -289,6 +309,8 @@ fn stream(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
 pub(crate) struct IndexStream {
     pub(crate) buffer: wgpu::Buffer,
     pub(crate) indices: Vec<u32>,
+    /// What is in the buffer: as long as the same land cells are in view nothing is sent.
+    sent: Vec<u32>,
 }
 
 impl IndexStream {
@@ -296,17 +318,20 @@ impl IndexStream {
         IndexStream {
             buffer: index_stream(device, 1 << 16),
             indices: Vec::new(),
+            sent: Vec::new(),
         }
     }
 
     pub(crate) fn send(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) {
+        if self.sent.starts_with(&self.indices) {
+            return;
+        }
         let bytes: &[u8] = bytemuck::cast_slice(&self.indices);
         if bytes.len() as u64 > self.buffer.size() {
             self.buffer = index_stream(device, (bytes.len() as u64).next_power_of_two());
         }
-        if !bytes.is_empty() {
-            queue.write_buffer(&self.buffer, 0, bytes);
-        }
+        queue.write_buffer(&self.buffer, 0, bytes);
+        self.sent.clone_from(&self.indices);
     }
 }
 

@@ -4,7 +4,7 @@ use glam::{Mat3, Quat, Vec3};
 use vestibule_dat::record::Degrade;
 use vestibule_physics::Population;
 use vestibule_view::{FrameObject, FrameSource, WorldObjects};
-use vestibule_world::{Building, CellId, Frame, World};
+use vestibule_world::{BlockId, Building, CellId, Frame, World};
 
 use crate::assets::Assets;
 
@@ -113,6 +113,10 @@ impl<'a> DetailedObjects<'a> {
 impl FrameSource for DetailedObjects<'_> {
     fn objects_in(&self, cell: CellId, each: &mut dyn FnMut(FrameObject)) {
         self.objects.objects_in(cell, each);
+    }
+
+    fn land_cells_with_objects(&self, block: BlockId) -> u64 {
+        self.objects.land_cells_with_objects(block)
     }
 
     fn building_model(&self, building: &Building, distance: f32) -> Option<u32> {

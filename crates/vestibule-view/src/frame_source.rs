@@ -1,7 +1,7 @@
 //! What a frame asks its caller: the objects of a cell and the level of detail of a building.
 
 use vestibule_physics::{BodyId, ObjectRef, Population};
-use vestibule_world::{Building, CellId, Sphere, World, bounding_sphere};
+use vestibule_world::{BlockId, Building, CellId, Sphere, World, bounding_sphere};
 
 /// An object that may have to be drawn: what names it, and a sphere around it in the frame of the landblock of
 /// the cell it was asked for, metres.
@@ -19,6 +19,13 @@ pub trait FrameSource {
     /// Hands every object registered in `cell` to `each`, in a fixed order. An object that reaches into several
     /// cells is registered in each (`rendering.md` 17.4).
     fn objects_in(&self, cell: CellId, each: &mut dyn FnMut(FrameObject));
+
+    /// The land cells of a landblock in which there may be objects, one bit each in order of their ids; the others are
+    /// not asked for. All, where that is not known.
+    fn land_cells_with_objects(&self, block: BlockId) -> u64 {
+        let _ = block;
+        u64::MAX
+    }
 
     /// The model (0x01…) to draw a building's shell with at this distance in metres; `None` draws neither the shell
     /// nor what is inside (`rendering.md` 6.3, 6.5).
@@ -86,5 +93,13 @@ impl FrameSource for WorldObjects<'_> {
                 sphere: Sphere::new(sphere.center + offset, sphere.radius),
             });
         }
+    }
+
+    fn land_cells_with_objects(&self, block: BlockId) -> u64 {
+        if self.population.is_some_and(|p| !p.is_empty()) {
+            return u64::MAX;
+        }
+        let block = self.world.block(block);
+        block.map_or(0, |b| self.world.shadow_lists(b).land_cells())
     }
 }

@@ -23,6 +23,8 @@ pub struct ShadowLists {
     reaches: Box<[StaticReach]>,
     /// What each of `refs` is drawn in, in the frame of the lists' landblock.
     bounds: Box<[Sphere]>,
+    /// Land cells that some object reaches, one bit each.
+    land_cells: u64,
 }
 
 /// How far a static object that can be run into reaches, in the frame of the lists' landblock.
@@ -57,6 +59,12 @@ impl ShadowLists {
         let refs = self.refs.get(range.clone()).unwrap_or(&[]);
         let bounds = self.bounds.get(range).unwrap_or(&[]);
         refs.iter().copied().zip(bounds.iter().copied())
+    }
+
+    /// The land cells that some static object reaches, one bit each in order of their ids.
+    #[inline]
+    pub fn land_cells(&self) -> u64 {
+        self.land_cells
     }
 
     /// Whether no static object reaches a cell.
@@ -127,7 +135,9 @@ impl ShadowLists {
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
         }
+        let in_land = found.iter().filter(|&&(slot, ..)| slot < LAND_CELLS);
         ShadowLists {
+            land_cells: in_land.fold(0, |bits, &(slot, ..)| bits | 1 << slot),
             starts: starts.into(),
             refs: found.iter().map(|&(_, r, ..)| r).collect(),
             reaches: found.iter().map(|&(_, _, reach, _)| reach).collect(),

@@ -15,6 +15,10 @@ struct Corner {
     @location(1) normal: vec3<f32>,
     @location(2) uv: vec2<f32>,
     @location(3) polygon: u32,
+    // Flags (4 fog, 8 alpha counts), from 16 the layer of the texture.
+    @location(10) surface: u32,
+    // Luminosity, diffuse, least alpha (0: no test).
+    @location(11) paint: vec3<f32>,
 };
 
 struct Instance {
@@ -22,11 +26,11 @@ struct Instance {
     @location(4) row0: vec4<f32>,
     @location(5) row1: vec4<f32>,
     @location(6) row2: vec4<f32>,
-    // Luminosity, diffuse, least alpha (0: no test), opacity.
-    @location(7) material: vec4<f32>,
-    // x, from the lowest bits: 2 kind of light (0 sun, 1 shell, 2 object indoors, 3 its own), flags (1 fog, 2 alpha counts, 4
-    // the item is the polygon), from 8 number of lamps, from 16 layer, from 24 number of planes. y: first lamp, from 16
-    // first plane. z, w: lamps of an object, 8 bits each.
+    // Luminosity where the light is its own, opacity.
+    @location(7) fade: vec2<f32>,
+    // x, from the lowest bits: 2 kind of light (0 sun, 1 shell, 2 object indoors, 3 its own), 16 the item is the polygon,
+    // from 8 number of lamps, from 24 number of planes. y: first lamp, from 16 first plane. z, w: lamps of an object, 8
+    // bits each.
     @location(8) how: vec4<u32>,
     // Cell, code and item.
     @location(9) id: vec2<u32>,
@@ -38,7 +42,9 @@ struct Seen {
     // The normal, or the light when it is computed at the corners.
     @location(1) light: vec3<f32>,
     @location(2) uv: vec2<f32>,
+    // Luminosity, diffuse, least alpha, opacity.
     @location(3) @interpolate(flat, either) material: vec4<f32>,
+    // As the instance has it, with the flags and the layer of the corner.
     @location(4) @interpolate(flat, either) how: vec4<u32>,
     @location(5) @interpolate(flat, either) id: vec2<u32>,
 };
@@ -157,15 +163,18 @@ fn vertex(corner: Corner, it: Instance) -> Seen {
     let turned = vec3<f32>(dot(it.row0.xyz, n), dot(it.row1.xyz, n), dot(it.row2.xyz, n));
     let size = length(turned);
     let normal = select(vec3<f32>(0.0), turned / size, size > 0.0);
+    // By its own light it has no fog, and the alpha of its texture counts.
+    let own = (it.how.x & 3u) == 3u;
+    let surface = select(corner.surface, (corner.surface & ~4u) | 8u, own);
+    out.material = vec4<f32>(select(corner.paint.x, it.fade.x, own), corner.paint.yz, it.fade.y);
+    out.how = vec4<u32>(it.how.x | surface, it.how.yzw);
     if (PIXEL_LIT) {
         out.light = normal;
     } else {
-        out.light = light_at(out.place, normal, it.material, it.how);
+        out.light = light_at(out.place, normal, out.material, out.how);
     }
     out.at = project(out.place);
     out.uv = corner.uv;
-    out.material = it.material;
-    out.how = it.how;
     out.id = vec2<u32>(it.id.x, it.id.y | select(0u, corner.polygon, (it.how.x & 16u) != 0u));
     return out;
 }

@@ -7,7 +7,7 @@ use vestibule_world::{BlockId, BoundingBox, Building, CellId, Landblock, World};
 use super::{Command, FrameInput, FrameView, LightSet, Views, active_regions};
 use crate::camera::Camera;
 use crate::frame_source::FrameSource;
-use crate::land_outline::{block_bounds, cell_bounds};
+use crate::land_outline::{block_bounds, cell_bounds, quarter_of};
 use crate::openings::{BlockOpenings, Openings};
 use crate::ring_order::{nearest_cell, rings};
 use crate::view::InView;
@@ -100,6 +100,10 @@ impl FrameView {
         if !with_objects {
             return;
         }
+        let quarters = outline
+            .filter(|_| full && seen == InView::Partial)
+            .map(|o| o.quarters().map(|b| self.box_in_view(&b, place.eye, camera)));
+        let with_any = source.land_cells_with_objects(id);
         for &(dx, dy) in cells.iter().rev() {
             let (x, y) = (place.nearest.0 + dx, place.nearest.1 + dy);
             if !(0..8).contains(&x) || !(0..8).contains(&y) {
@@ -107,8 +111,14 @@ impl FrameView {
             }
             let k = (8 * x + y) as usize;
             let cell = CellId::new(id, (1 + k) as u16);
+            let seen = quarters.map_or(seen, |q| q[quarter_of(k)]);
             let bounds = || outline.map_or_else(|| cell_bounds(land, k), |o| o.cell_bounds(k));
-            if full && (seen == InView::Inside || self.shows_box(&bounds(), place.eye, camera)) {
+            let shows = match seen {
+                InView::Outside => false,
+                InView::Partial => full && self.shows_box(&bounds(), place.eye, camera),
+                InView::Inside => true,
+            };
+            if full && shows {
                 self.commands.push(Command::Terrain(cell));
             }
             let building = match outline {
@@ -120,7 +130,9 @@ impl FrameView {
             {
                 self.draw_building(doors, source, camera, place, index, building);
             }
-            self.draw_objects(cell, Views::Landscape, source, camera, place.eye);
+            if with_any >> k & 1 != 0 {
+                self.draw_objects(cell, Views::Landscape, source, camera, place.eye);
+            }
         }
     }
 
