@@ -242,12 +242,8 @@ impl Renderer {
         frame: &FrameView,
         settings: &RenderSettings,
     ) -> Result<Image, GpuError> {
-        let picture = Picture::of(frame).ok_or(GpuError::Camera {
-            width: 0.0,
-            height: 0.0,
-        })?;
-        let size = picture.camera.viewport();
-        let target = self.target(gpu, size.x as u32, size.y as u32)?;
+        let (picture, (width, height)) = whole(frame)?;
+        let target = self.target(gpu, width, height)?;
         self.draw(gpu, &target, scene, &picture, settings)?;
         target.image(gpu)
     }
@@ -263,12 +259,8 @@ impl Renderer {
         frame: &FrameView,
         settings: &RenderSettings,
     ) -> Result<IdImage, GpuError> {
-        let picture = Picture::of(frame).ok_or(GpuError::Camera {
-            width: 0.0,
-            height: 0.0,
-        })?;
-        let size = picture.camera.viewport();
-        let target = Target::for_ids(gpu, size.x as u32, size.y as u32)?;
+        let (picture, (width, height)) = whole(frame)?;
+        let target = Target::for_ids(gpu, width, height)?;
         self.draw(gpu, &target, scene, &picture, settings)?;
         target.id_image(gpu)
     }
@@ -463,6 +455,16 @@ impl Renderer {
         state.pipeline = Some(code);
         true
     }
+}
+
+/// The picture of a frame and its size in pixels.
+fn whole(frame: &FrameView) -> Result<(Picture<'_>, (u32, u32)), GpuError> {
+    let picture = Picture::of(frame).ok_or(GpuError::Camera {
+        width: 0.0,
+        height: 0.0,
+    })?;
+    let size = picture.camera.viewport();
+    Ok((picture, (size.x as u32, size.y as u32)))
 }
 
 /// What is set in a pass, which is not set again.

@@ -38,24 +38,26 @@ fn poses(stage: &Stage) -> Vec<Camera> {
     out
 }
 
-fn renderer(gpu: &vestibule_gpu::Gpu) -> Renderer {
-    Renderer::new(
-        gpu,
-        RendererOptions {
-            filtering: Filtering::Reference,
-            samples: 1,
-        },
-    )
+/// A software adapter with a stage and a renderer to be held against the reference, and settings to do so; `None` without
+/// one.
+fn start() -> Option<(vestibule_gpu::Gpu, Stage, Renderer, RenderSettings)> {
+    let gpu = software()?;
+    let options = RendererOptions {
+        filtering: Filtering::Reference,
+        samples: 1,
+    };
+    let renderer = Renderer::new(&gpu, options);
+    let settings = RenderSettings {
+        exact: true,
+        ..RenderSettings::default()
+    };
+    Some((gpu, Stage::new(), renderer, settings))
 }
 
 #[test]
 fn r25_pictures_equal_the_reference_but_for_edges() {
-    let Some(gpu) = software() else { return };
-    let mut stage = Stage::new();
-    let mut renderer = renderer(&gpu);
-    let settings = RenderSettings {
-        exact: true,
-        ..RenderSettings::default()
+    let Some((gpu, mut stage, mut renderer, settings)) = start() else {
+        return;
     };
     let (mut worst, mut bad) = ((0, 0), Vec::new());
     for (k, camera) in poses(&stage).into_iter().enumerate() {
@@ -88,10 +90,9 @@ fn r25_pictures_equal_the_reference_but_for_edges() {
 
 #[test]
 fn r25_ids_equal_the_reference_but_for_edges() {
-    let Some(gpu) = software() else { return };
-    let mut stage = Stage::new();
-    let mut renderer = renderer(&gpu);
-    let settings = RenderSettings::default();
+    let Some((gpu, mut stage, mut renderer, settings)) = start() else {
+        return;
+    };
     let (mut worst, mut bad) = (0, Vec::new());
     for (k, camera) in poses(&stage).into_iter().enumerate() {
         stage.look(camera);
@@ -133,12 +134,8 @@ fn r25_bodies_in_lamplight_equal_the_reference_and_are_not_black() {
     use vestibule_physics::{Body, Population, Scratch};
     use vestibule_render::{PixelKind, Scene};
     use vestibule_world::{CellId, Frame, Position};
-    let Some(gpu) = software() else { return };
-    let mut stage = Stage::new();
-    let mut renderer = renderer(&gpu);
-    let settings = RenderSettings {
-        exact: true,
-        ..RenderSettings::default()
+    let Some((gpu, mut stage, mut renderer, settings)) = start() else {
+        return;
     };
     // A hall of the mine, a lantern over its middle, someone seen from behind right under it.
     let feet = glam::Vec3::new(74.0, -80.0, -20.0);

@@ -274,7 +274,8 @@ struct Scratch {
     objects: NumberMap<ObjectRef, u32>,
     sorted: Vec<(u32, u32, ObjectRef)>,
     block_rings: Vec<(i32, i32)>,
-    cell_rings: Vec<(i32, i32)>,
+    /// For each land cell that may be the nearest of its block, the block's cells far to near; made with the first frame.
+    cell_orders: Vec<[(u8, u8); 64]>,
     clip: Vec<Vec3>,
     clip_spare: Vec<Vec3>,
 }

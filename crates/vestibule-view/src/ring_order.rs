@@ -21,6 +21,21 @@ pub(crate) fn rings(radius: i32, out: &mut Vec<(i32, i32)>) {
     }
 }
 
+/// The land cells of a block far to near, by column and row from 0: the rings around the one nearest to the viewer, walked
+/// from the end, as far as they lie in the block.
+pub(crate) fn cells_far_to_near(nearest: (i32, i32), rings: &[(i32, i32)]) -> [(u8, u8); 64] {
+    let mut out = [(0, 0); 64];
+    let cells = rings
+        .iter()
+        .rev()
+        .map(|&(dx, dy)| (nearest.0 + dx, nearest.1 + dy));
+    let inside = cells.filter(|(x, y)| (0..8).contains(x) && (0..8).contains(y));
+    for (slot, (x, y)) in out.iter_mut().zip(inside) {
+        *slot = (x as u8, y as u8);
+    }
+    out
+}
+
 /// The cell of a block, by its coordinates 0…7, that is nearest to the viewer in another block `dx` to the west and
 /// `dy` to the south of it (0 for its own): `viewer` are the viewer's coordinates in its own block.
 pub(crate) fn nearest_cell(dx: i32, dy: i32, viewer: (i32, i32)) -> (i32, i32) {
@@ -61,6 +76,19 @@ mod tests {
                 (1, -1)
             ]
         );
+    }
+
+    #[test]
+    fn r6_2_1_every_cell_of_a_block_once_the_nearest_last() {
+        let mut around = Vec::new();
+        rings(7, &mut around);
+        for nearest in [(0, 0), (7, 3), (4, 4)] {
+            let cells = cells_far_to_near(nearest, &around);
+            assert_eq!(cells[63], (nearest.0 as u8, nearest.1 as u8));
+            let mut sorted = cells;
+            sorted.sort_unstable();
+            assert!(sorted.iter().zip(0..64).all(|(&c, k)| c == (k / 8, k % 8)));
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::camera::Camera;
 use crate::frame_source::FrameSource;
 use crate::land_outline::{block_bounds, cell_bounds, quarter_of};
 use crate::openings::{BlockOpenings, Openings};
-use crate::ring_order::{nearest_cell, rings};
+use crate::ring_order::{cells_far_to_near, nearest_cell, rings};
 use crate::view::InView;
 
 impl FrameView {
@@ -32,9 +32,12 @@ impl FrameView {
         let low = i32::from(viewpoint.low()) - 1;
         let viewer = (low >> 3, low & 7);
         let mut blocks = core::mem::take(&mut self.scratch.block_rings);
-        let mut cells = core::mem::take(&mut self.scratch.cell_rings);
+        let mut orders = core::mem::take(&mut self.scratch.cell_orders);
+        if orders.is_empty() {
+            rings(7, &mut blocks);
+            orders.extend((0..64).map(|k| cells_far_to_near((k / 8, k % 8), &blocks)));
+        }
         rings(self.settings.block_radius, &mut blocks);
-        rings(7, &mut cells);
         for &(dx, dy) in blocks.iter().rev() {
             let Some(id) = centre.neighbour(dx, dy) else {
                 continue;
@@ -56,9 +59,12 @@ impl FrameView {
                 nearest,
                 eye: camera.eye_in(id),
             };
-            self.draw_block(world, openings, source, camera, &place, &cells);
+            let (x, y) = place.nearest;
+            if let Some(cells) = orders.get((8 * x + y) as usize) {
+                self.draw_block(world, openings, source, camera, &place, cells);
+            }
         }
-        (self.scratch.block_rings, self.scratch.cell_rings) = (blocks, cells);
+        (self.scratch.block_rings, self.scratch.cell_orders) = (blocks, orders);
         let player_outdoors = input.player_cell.is_some_and(|c| !c.0.is_indoor());
         if input.weather && player_outdoors {
             self.commands.push(Command::Weather);
@@ -72,7 +78,7 @@ impl FrameView {
         source: &dyn FrameSource,
         camera: &Camera,
         place: &Place<'_>,
-        cells: &[(i32, i32)],
+        cells: &[(u8, u8); 64],
     ) {
         let Some(land) = &place.block.land else { return };
         let id = place.block.id;
@@ -104,12 +110,8 @@ impl FrameView {
             .filter(|_| full && seen == InView::Partial)
             .map(|o| o.quarters().map(|b| self.box_in_view(&b, place.eye, camera)));
         let with_any = source.land_cells_with_objects(id);
-        for &(dx, dy) in cells.iter().rev() {
-            let (x, y) = (place.nearest.0 + dx, place.nearest.1 + dy);
-            if !(0..8).contains(&x) || !(0..8).contains(&y) {
-                continue;
-            }
-            let k = (8 * x + y) as usize;
+        for &(x, y) in cells {
+            let k = 8 * usize::from(x) + usize::from(y);
             let cell = CellId::new(id, (1 + k) as u16);
             let seen = quarters.map_or(seen, |q| q[quarter_of(k)]);
             let bounds = || outline.map_or_else(|| cell_bounds(land, k), |o| o.cell_bounds(k));
