@@ -74,8 +74,8 @@ impl FrameSource for WorldObjects<'_> {
         if let Some(block) = self.world.block(cell.block()) {
             for (id, sphere) in self.world.shadow_lists(block).with_bounds(cell) {
                 each(FrameObject {
-                    id: ObjectRef::Static(id),
-                    sphere,
+                    id: ObjectRef::Static(*id),
+                    sphere: *sphere,
                 });
             }
         }

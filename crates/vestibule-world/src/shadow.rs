@@ -54,11 +54,10 @@ impl ShadowLists {
 
     /// As [`ShadowLists::of`], with [`StaticObject::bounds`] of each object, in the frame of the lists' landblock.
     #[inline]
-    pub fn with_bounds(&self, cell: CellId) -> impl Iterator<Item = (StaticRef, Sphere)> {
+    pub fn with_bounds(&self, cell: CellId) -> impl Iterator<Item = (&StaticRef, &Sphere)> {
         let range = self.range(cell);
         let refs = self.refs.get(range.clone()).unwrap_or(&[]);
-        let bounds = self.bounds.get(range).unwrap_or(&[]);
-        refs.iter().copied().zip(bounds.iter().copied())
+        refs.iter().zip(self.bounds.get(range).unwrap_or(&[]))
     }
 
     /// The land cells that some static object reaches, one bit each in order of their ids.
