@@ -1,12 +1,11 @@
 //! The usual step on terrain, worked out without a transition (`transition.md` 5.6, 5.8, 7.3); see
 //! [`crate::plain_step`].
 
-use glam::Vec3;
-use vestibule_world::{CellId, LandCell, Landblock, Plane, Water, certain_land_cell};
+use vestibule_world::{CellId, LandCell, Landblock, Lanes, Plane, Water, certain_land_cell};
 
 use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS, SHAPE_INTERP_LIMIT, STEP_DOWN_ATTEMPTS};
 use crate::object_info::is_walkable_z;
-use crate::plain_step::{Candidate, PlainEnd, PlainStep};
+use crate::plain_step::{Candidate, PlainEnd, PlainStep, down};
 use crate::sweep::Scratch;
 use crate::transition::BuiltArray;
 
@@ -14,7 +13,7 @@ use crate::transition::BuiltArray;
 struct OverLand<'a> {
     cell: &'a LandCell,
     pose: Candidate,
-    low: Vec3,
+    low: Lanes,
     contact: Option<Plane>,
 }
 
@@ -28,7 +27,7 @@ enum Answer {
 
 impl OverLand<'_> {
     #[inline(always)]
-    fn shift(&mut self, v: Vec3) {
+    fn shift(&mut self, v: Lanes) {
         self.pose.shift(v);
         self.low += v;
     }
@@ -37,19 +36,19 @@ impl OverLand<'_> {
     /// left of the movement in a step down by `depth`.
     #[inline(always)]
     fn insert(&mut self, interp: Option<&mut f32>, depth: f32) -> Option<Answer> {
-        let plane = self.cell.find_terrain_poly(self.low)?.plane;
+        let plane = self.cell.find_terrain_poly(self.low.xyz())?.plane;
         let water = if self.cell.water == Water::Not {
             0.0
         } else {
-            self.cell.water_depth(self.low)
+            self.cell.water_depth(self.low.xyz())
         };
         let n = plane.normal;
         if interp.is_none() && !is_walkable_z(n.z) {
             return None;
         }
         let foot = self.pose.spheres[0];
-        let low = Vec3::new(foot.center.x, foot.center.y, foot.center.z - foot.radius);
-        let a = plane.dist(low) + water;
+        let low = foot - down(-foot.fourth());
+        let a = Lanes::of_plane(&plane).dist(low) + water;
         if a > EPSILON {
             return Some(Answer::Ok);
         }
@@ -65,7 +64,7 @@ impl OverLand<'_> {
             }
             *interp = w;
         }
-        self.shift(Vec3::new(0.0, 0.0, -z));
+        self.shift(down(z));
         Some(Answer::Adjusted)
     }
 }
@@ -85,6 +84,7 @@ pub(crate) fn plain_step_on_land(
         .as_ref()
         .is_none_or(|land| land.water == Water::Entirely);
     let spheres = step.candidate.spheres();
+    let spheres = spheres.get(..step.candidate.count).unwrap_or(&spheres);
     let to_cells = certain_land_cell(step.world, block, id, cell, spheres, &mut scratch.cell_array);
     *built = BuiltArray::certain(id, step.candidate.centers(), to_cells, &scratch.cell_array);
     if !(to_cells > 0.0) || cell.restriction.is_some() || cell.building.is_some() || drowned {
@@ -105,7 +105,7 @@ pub(crate) fn plain_step_on_land(
     if over.contact.is_none() {
         // The ground below (5.6).
         let h = step.search_depth();
-        over.shift(Vec3::new(0.0, 0.0, -h));
+        over.shift(down(h));
         settle(&mut over, STEP_DOWN_ATTEMPTS, Some(1.0), h)?;
         if !step.candidate.is_within(&over.pose, to_cells)
             || !step.clears_objects(block, id, (&moved, objects), &over.pose)

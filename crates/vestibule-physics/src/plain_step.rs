@@ -8,7 +8,7 @@
 
 use glam::Vec3;
 use vestibule_world::{
-    CellEntry, CellId, CylSphere, EnvCell, Frame, Landblock, PhysicsBsp, Plane, Position, ShadowLists,
+    CellEntry, CellId, CylSphere, EnvCell, Frame, Landblock, Lanes, PhysicsBsp, Plane, Position, ShadowLists,
     Sphere, StaticObject, StaticReach, TransitHints, World, certain_rooms,
 };
 
@@ -17,7 +17,7 @@ use crate::bsp_tree::{self, WalkableSearch};
 use crate::constants::{EPSILON, FLOOR_Z};
 use crate::cylsphere::overlaps_cylinder;
 use crate::flags::{ObjectState, PhysicsState};
-use crate::math::{length, normalised};
+use crate::math::normalised;
 use crate::plain_land::plain_step_on_land;
 use crate::polygon;
 use crate::population::Population;
@@ -29,84 +29,93 @@ use crate::transition::BuiltArray;
 /// A floor found below a candidate.
 pub(crate) struct OpenFloor {
     /// What takes the lowered candidate back up.
-    pub(crate) offset: Vec3,
+    pub(crate) offset: Lanes,
     /// The floor's plane in the frame of the cell's landblock.
     pub(crate) plane: Plane,
     pub(crate) walk_interp: f32,
 }
 
 /// A candidate: the origin of its position, its spheres in the frame of the landblock, and where they are relative
-/// to the origin.
+/// to the origin. Radii are in the fourth lanes.
 #[derive(Clone, Copy)]
 pub(crate) struct Candidate {
-    pub(crate) origin: Vec3,
-    pub(crate) spheres: [Sphere; 2],
-    pub(crate) arms: [Vec3; 2],
+    pub(crate) origin: Lanes,
+    pub(crate) spheres: [Lanes; 2],
+    pub(crate) arms: [Lanes; 2],
     pub(crate) count: usize,
 }
 
 impl Candidate {
+    /// A mover at a place.
     #[inline(always)]
-    pub(crate) fn shift(&mut self, v: Vec3) {
+    pub(crate) fn at(origin: Lanes, arms: &Arms, mover: &Mover) -> Self {
+        Candidate {
+            origin,
+            spheres: [origin + arms.center[0], origin + arms.center[1]],
+            arms: arms.center,
+            count: mover.spheres().len(),
+        }
+    }
+
+    /// The radius of its larger sphere, metres.
+    #[inline(always)]
+    fn larger_radius(&self) -> f32 {
+        let [foot, head] = self.arms.map(Lanes::fourth);
+        if self.count > 1 && head > foot { head } else { foot }
+    }
+
+    #[inline(always)]
+    pub(crate) fn shift(&mut self, v: Lanes) {
         self.origin += v;
-        self.spheres[0].center += v;
-        self.spheres[1].center += v;
+        self.spheres[0] += v;
+        self.spheres[1] += v;
     }
 
+    /// Its spheres.
     #[inline(always)]
-    pub(crate) fn spheres(&self) -> &[Sphere] {
-        self.spheres.get(..self.count).unwrap_or(&self.spheres)
+    pub(crate) fn spheres(&self) -> [Sphere; 2] {
+        self.spheres.map(Sphere::from)
     }
 
-    /// Sphere `i` as the cell's polygons see it (retail `cache_localspace_sphere`).
+    /// Sphere `i` in a local frame, as polygons see it (retail `cache_localspace_sphere`).
     #[inline(always)]
-    pub(crate) fn local(&self, cell: &EnvCell, i: usize) -> Sphere {
-        let center = cell.frame.global_to_local(self.origin + self.arms[i]);
-        Sphere::new(center, self.spheres[i].radius)
+    pub(crate) fn local(&self, frame: &Frame, i: usize) -> Lanes {
+        let radius = self.arms[i].fourth();
+        let center = frame.turned_in(self.origin + self.arms[i] - Lanes::from(frame.origin));
+        center.with_fourth(radius)
     }
 
     /// Whether another pose is less than `distance` away.
     #[inline(always)]
     pub(crate) fn is_within(&self, pose: &Candidate, distance: f32) -> bool {
-        let shift = pose.spheres[0].center - self.spheres[0].center;
+        let shift = pose.spheres[0] - self.spheres[0];
         shift.dot(shift) < distance * distance
     }
 
     /// Whether an insertion finds nothing of a part of a static object.
     fn clears_part(&self, frame: &Frame, bsp: &PhysicsBsp, bound: &Sphere, placing: bool) -> bool {
-        let local = |i: usize| {
-            Sphere::new(
-                frame.global_to_local(self.origin + self.arms[i]),
-                self.spheres[i].radius,
-            )
-        };
-        if !(0..self.count).any(|i| bsp_tree::spheres_overlap(bound, &local(i))) {
-            return true;
-        }
-        (0..self.count).all(|i| {
-            if placing {
-                !bsp_tree::sphere_intersects_solid(bsp, &local(i), true)
-            } else {
-                bsp_tree::overlaps_nothing(bsp, &local(i))
-            }
-        })
+        let local = [self.local(frame, 0), self.local(frame, 1)];
+        let local = local.get(..self.count).unwrap_or(&local);
+        let reached = local
+            .iter()
+            .any(|&s| bsp_tree::spheres_overlap(bound, &s.into()));
+        !reached
+            || local
+                .iter()
+                .all(|&s| !bsp_tree::sphere_intersects_solid(bsp, s, placing))
     }
 
     /// Whether a moving insertion into the cell finds nothing.
     #[inline(always)]
     fn is_clear(&self, cell: &EnvCell) -> bool {
-        self.is_in_the_open(cell) || {
-            // A copy, so that the candidate itself can stay in registers.
-            let at = *self;
-            at.overlaps_nothing(cell)
-        }
+        self.is_in_the_open(cell) || self.overlaps_nothing(cell)
     }
 
     /// Whether the cell's box of open space holds all spheres.
     #[inline(always)]
     fn is_in_the_open(&self, cell: &EnvCell) -> bool {
-        let [foot, head] = &self.spheres;
-        cell.hints.certainly_clear(foot) && (self.count < 2 || cell.hints.certainly_clear(head))
+        let clear = |s: Lanes| cell.hints.certainly_clear(s, s.fourth());
+        clear(self.spheres[0]) && (self.count < 2 || clear(self.spheres[1]))
     }
 
     #[inline(never)]
@@ -114,17 +123,14 @@ impl Candidate {
         let Some(bsp) = &cell.structure.physics else {
             return true;
         };
-        (0..self.count).all(|i| bsp_tree::overlaps_nothing(bsp, &self.local(cell, i)))
+        (0..self.count).all(|i| bsp_tree::overlaps_nothing(bsp, self.local(&cell.frame, i)))
     }
 
     /// Whether the rest of a step down onto a floor finds nothing of a cell: another attempt, which asks whether the
     /// foot overlaps ground, and the placement insertion, which asks whether any sphere overlaps anything.
     #[inline(always)]
     pub(crate) fn rests_in(&self, cell: &EnvCell) -> bool {
-        (cell.hints.open_is_hollow() && self.is_in_the_open(cell)) || {
-            let at = *self;
-            at.touches_nothing_solid(cell)
-        }
+        (cell.hints.open_is_hollow() && self.is_in_the_open(cell)) || self.touches_nothing_solid(cell)
     }
 
     #[inline(never)]
@@ -132,7 +138,7 @@ impl Candidate {
         let Some(bsp) = &cell.structure.physics else {
             return true;
         };
-        (0..self.count).all(|i| !bsp_tree::sphere_intersects_solid(bsp, &self.local(cell, i), true))
+        (0..self.count).all(|i| !bsp_tree::sphere_intersects_solid(bsp, self.local(&cell.frame, i), true))
     }
 
     /// As [`Candidate::rests_in`] for other cells that the candidate reaches, none of which keeps anyone out.
@@ -151,28 +157,27 @@ impl Candidate {
 
     /// Where its spheres are.
     #[inline(always)]
-    pub(crate) fn centers(&self) -> [Vec3; 2] {
-        [self.spheres[0].center, self.spheres[1].center]
+    pub(crate) fn centers(&self) -> [Lanes; 2] {
+        self.spheres
     }
 }
 
-/// The search for a floor of the cell in a step down by `h`, of which `interp` is left (6.11.1).
+/// A shift down, metres.
 #[inline(always)]
-pub(crate) fn search_below<'a>(
-    cell: &EnvCell,
-    at: &Candidate,
-    h: f32,
-    interp: f32,
-    z: f32,
-) -> WalkableSearch<'a> {
-    let [x, y, z_axis] = cell.frame.axes();
-    let up = Vec3::new(x.z, y.z, z_axis.z);
+pub(crate) fn down(h: f32) -> Lanes {
+    Lanes::from(Vec3::new(0.0, 0.0, -h))
+}
+
+/// The search for a floor of the cell in a step down by `h` (6.11.1).
+#[inline(always)]
+pub(crate) fn search_below<'a>(cell: &EnvCell, at: &Candidate, h: f32, z: f32) -> WalkableSearch<'a> {
+    let up = cell.frame.up();
     WalkableSearch {
-        sphere: at.local(cell, 0),
-        movement: up * -(h * interp),
+        sphere: at.local(&cell.frame, 0),
+        movement: up * -h,
         up,
         walkable_allowance: z,
-        walk_interp: interp,
+        walk_interp: 1.0,
         found: None,
     }
 }
@@ -190,66 +195,62 @@ pub(crate) fn find_open_floor(
 ) -> Option<OpenFloor> {
     let bsp = cell.structure.physics.as_ref()?;
     let frame = &cell.frame;
-    let mut search = search_below(cell, lowered, h, 1.0, z);
+    let mut search = search_below(cell, lowered, h, z);
     let (local, up) = (search.sphere, search.up);
     bsp_tree::find_walkable(bsp, &mut search);
     let face = search.found?;
-    let normal = frame.local_to_global_vec(face.plane.normal);
-    if normal.z < z {
+    let plane = Lanes::of_plane(&face.plane);
+    let normal = frame.turned_out(plane);
+    if normal.z() < z {
         return None;
     }
     if supported {
-        let half = Sphere::new(search.sphere.center, search.sphere.radius * 0.5);
-        if !polygon::check_walkable(face, bsp.edges(face), &half, up) {
+        let half = search.sphere.fourth() * 0.5;
+        if !polygon::check_walkable(face, bsp.edges(face), search.sphere, half, up) {
             return None;
         }
     }
-    let offset = frame.local_to_global_vec(search.sphere.center - local.center);
+    let offset = frame.turned_out(search.sphere - local);
     lowered.shift(offset);
     if !lowered.rests_in(cell) {
         return None;
     }
-    let point = Vec3::ZERO + frame.local_to_global(face.plane.normal * -face.plane.d);
+    let point = Lanes::ZERO + (Lanes::from(frame.origin) + frame.turned_out(plane * -plane.fourth()));
     Some(OpenFloor {
         offset,
         plane: Plane {
-            normal,
+            normal: normal.xyz(),
             d: -normal.dot(point),
         },
         walk_interp: search.walk_interp,
     })
 }
 
-/// How far the spheres may be shifted together before one comes near a static object of a cell, metres.
+/// How far a candidate may be shifted before one of its spheres comes near a static object of a cell, metres.
 #[inline(always)]
-pub(crate) fn distance_to_statics(lists: &ShadowLists, cell: CellId, spheres: &[Sphere]) -> f32 {
-    let larger = larger_radius(spheres);
+pub(crate) fn distance_to_statics(lists: &ShadowLists, cell: CellId, pose: &Candidate) -> f32 {
+    let larger = pose.larger_radius();
     let mut least = f32::INFINITY;
     for (_, reach) in lists.with_reaches(cell) {
-        let d = distance_to_reach(reach, larger, spheres);
+        let d = distance_to_reach(reach, larger, pose);
         least = if d < least { d } else { least };
     }
     least
 }
 
 #[inline(always)]
-fn distance_to_reach(reach: &StaticReach, larger: f32, spheres: &[Sphere]) -> f32 {
-    let limit = reach.sphere.radius + reach.stretch * larger;
-    let mut least = f32::INFINITY;
-    for s in spheres {
-        let d = length(s.center - reach.sphere.center) - limit;
-        least = if d < least { d } else { least };
+fn distance_to_reach(reach: &StaticReach, larger: f32, pose: &Candidate) -> f32 {
+    let center = Lanes::from(reach.sphere);
+    let squared = |s: Lanes| {
+        let between = s - center;
+        between.dot(between)
+    };
+    let mut nearest = squared(pose.spheres[0]);
+    if pose.count > 1 {
+        let head = squared(pose.spheres[1]);
+        nearest = if head < nearest { head } else { nearest };
     }
-    least
-}
-
-#[inline(always)]
-fn larger_radius(spheres: &[Sphere]) -> f32 {
-    let mut larger = 0.0;
-    for s in spheres {
-        larger = if s.radius > larger { s.radius } else { larger };
-    }
-    larger
+    nearest.sqrt() - (reach.sphere.radius + reach.stretch * larger)
 }
 
 /// Where a usual step ends: in the cell it began in, on walkable ground.
@@ -295,7 +296,7 @@ pub(crate) struct PlainStep<'a> {
     /// The candidate after the step, before it is inserted.
     pub(crate) candidate: Candidate,
     /// The lowest point of the candidate.
-    pub(crate) low: Vec3,
+    pub(crate) low: Lanes,
 }
 
 /// A sweep of one step by `offset` from `from`, if it is a usual one. `to` says how the mover ends up turned. `built`
@@ -310,75 +311,62 @@ pub(crate) fn plain_step(
     carried: &Carried,
     from: &Position,
     to: &Position,
-    offset: Vec3,
+    offset: Lanes,
     built: &mut BuiltArray,
 ) -> Option<PlainEnd> {
     let contact = carried.contact.as_ref()?;
+    let rotation = Lanes::of_rotation(from.frame.rotation());
     let unusual = !carried.on_walkable
         || mover.state.has(ObjectState::IS_VIEWER)
         || mover.physics.has(PhysicsState::MISSILE)
         || contact.cell.is_none()
         || contact.cell.block() != from.cell.block()
-        || from.frame.rotation() != to.frame.rotation()
+        || !rotation.all_equal(Lanes::of_rotation(to.frame.rotation()))
         || carried.last_known.is_some()
         || world.settings().exact;
     if unusual {
         return None;
     }
     let arms = Arms::of(&from.frame, &mover.spheres);
-    let start = from.frame.origin;
-    let foot = Sphere::new(start + arms.center[0], mover.spheres[0].radius);
-    let mut head = start + arms.center[1];
-    let (mut foot_center, mut origin) = (foot.center, start);
+    let mut pose = Candidate::at(from.frame.origin.into(), &arms, mover);
+    let mut low = pose.origin + arms.low;
 
     // The offset, bent; a foot in the floor is pushed out of it first (4.2).
     let wall = match carried.sliding_normal {
-        Some(n) => Some(normalised(n).unwrap_or(Vec3::ZERO)).filter(|&n| offset.dot(n) < 0.0),
+        Some(n) => Some(normalised(n).unwrap_or(Vec3::ZERO)).filter(|&n| offset.dot(n.into()) < 0.0),
         None => None,
     };
-    let v = along_planes(offset, contact.plane.normal, wall);
+    let plane = Lanes::of_plane(&contact.plane);
+    let v = along_planes(offset, plane, wall);
     if EPSILON * EPSILON > v.dot(v) {
         return None;
     }
-    let mut low = from.frame.origin + arms.low;
     if !contact.is_water {
-        let s = contact.plane.dist(foot.center);
-        if s < foot.radius - EPSILON {
-            let z = (foot.radius - s) / contact.plane.normal.z;
-            if foot.radius > z.abs() {
-                let push = Vec3::new(0.0, 0.0, z);
-                origin += push;
-                foot_center += push;
-                head += push;
+        let radius = mover.spheres[0].radius;
+        let s = plane.dist(pose.spheres[0]);
+        if s < radius - EPSILON {
+            let z = (radius - s) / contact.plane.normal.z;
+            if radius > z.abs() {
+                let push = Lanes::from(Vec3::new(0.0, 0.0, z));
+                pose.shift(push);
                 low += push;
             }
         }
     }
-    origin += v;
-    // Zero unless a number is not finite: then the long way says which. Positions come in by the candidate.
-    let (n, q) = (contact.plane.normal, from.frame.rotation());
-    let slide = carried.sliding_normal.map_or(0.0, |n| n.x + n.y + n.z);
-    let sum = n.x + n.y + n.z + contact.plane.d + q.x + q.y + q.z + q.w + slide;
-    let sum = sum + mover.step_up_height + mover.step_down_height + origin.x + origin.y + origin.z;
-    if !(sum * 0.0 == 0.0) {
+    pose.shift(v);
+    // Positions come in by the candidate. The long way says what is not finite.
+    let steps = mover.step_up_height + mover.step_down_height;
+    let slide = Lanes::new(carried.sliding_normal.unwrap_or(Vec3::ZERO), steps);
+    if !(plane + rotation + slide + pose.origin).all_finite() {
         return None;
     }
-    let candidate = Candidate {
-        origin,
-        spheres: [
-            Sphere::new(foot_center + v, foot.radius),
-            Sphere::new(head + v, mover.spheres[1].radius),
-        ],
-        arms: arms.center,
-        count: mover.spheres().len(),
-    };
     let block = world.block(from.cell.block())?;
     let step = PlainStep {
         world,
         population,
         mover,
         from,
-        candidate,
+        candidate: pose,
         low: low + v,
     };
     if from.cell.is_indoor() {
@@ -397,7 +385,7 @@ fn statics_around(
     pose: &Candidate,
     placing: bool,
 ) -> Option<f32> {
-    let least = distance_to_statics(lists, cell, pose.spheres());
+    let least = distance_to_statics(lists, cell, pose);
     if least > 0.0 {
         return Some(least);
     }
@@ -406,9 +394,9 @@ fn statics_around(
 
 /// Whether a pose that is near static objects certainly touches none of them.
 fn clears_statics(world: &World, lists: &ShadowLists, cell: CellId, pose: &Candidate, placing: bool) -> bool {
-    let larger = larger_radius(pose.spheres());
+    let larger = pose.larger_radius();
     lists.with_reaches(cell).all(|(r, reach)| {
-        if distance_to_reach(reach, larger, pose.spheres()) > 0.0 {
+        if distance_to_reach(reach, larger, pose) > 0.0 {
             return true;
         }
         let Some(object) = world.static_object(r) else {
@@ -436,14 +424,14 @@ fn clears_object(object: &StaticObject, pose: &Candidate, placing: bool) -> bool
     if shape.cylspheres.is_empty() {
         let place = |s: &Sphere| Sphere::new(place(s.center), s.radius);
         let mut spheres = shape.spheres.iter().map(place);
-        return !spheres.any(|s| overlaps_sphere(&s, &pose.spheres, pose.count));
+        return !spheres.any(|s| overlaps_sphere(&s, &pose.spheres(), pose.count));
     }
     let place = |c: &CylSphere| CylSphere {
         low_point: place(c.low_point),
         ..*c
     };
     let mut cylinders = shape.cylspheres.iter().map(place);
-    !cylinders.any(|c| overlaps_cylinder(&c, &pose.spheres, pose.count))
+    !cylinders.any(|c| overlaps_cylinder(&c, &pose.spheres(), pose.count))
 }
 
 impl PlainStep<'_> {
@@ -469,7 +457,7 @@ impl PlainStep<'_> {
         // The ground below (5.6).
         let h = self.search_depth();
         let mut lowered = self.candidate;
-        lowered.shift(Vec3::new(0.0, 0.0, -h));
+        lowered.shift(down(h));
         let supported = self.mover.state.has(ObjectState::EDGE_SLIDE);
         let floor = find_open_floor(cell, &mut lowered, h, FLOOR_Z, supported)?;
         if !self.candidate.is_within(&lowered, to_cells) || !lowered.rests_beside(block, others) {
@@ -487,13 +475,15 @@ impl PlainStep<'_> {
     /// Fills the cell array; see [`certain_rooms`].
     #[inline(always)]
     fn certain_rooms(&self, block: &Landblock, cell: &EnvCell, scratch: &mut Scratch) -> f32 {
-        let [foot, head] = &self.candidate.spheres;
-        if cell.hints.is_quiet(foot) && (self.candidate.count < 2 || cell.hints.is_quiet(head)) {
+        let quiet = |s: Lanes| cell.hints.is_quiet(s, s.fourth());
+        let [foot, head] = self.candidate.spheres;
+        if quiet(foot) && (self.candidate.count < 2 || quiet(head)) {
             scratch.cell_array.start(cell.id, true);
             return TransitHints::QUIET_SHIFT;
         }
-        let at = self.candidate;
-        certain_rooms(block, cell, at.spheres(), &mut scratch.cell_array)
+        let spheres = self.candidate.spheres();
+        let spheres = spheres.get(..self.candidate.count).unwrap_or(&spheres);
+        certain_rooms(block, cell, spheres, &mut scratch.cell_array)
     }
 
     /// How far a pose may be shifted before it comes near an object, metres: zero when it is near some but clears
@@ -513,8 +503,7 @@ impl PlainStep<'_> {
         if lists.is_empty_in(cell) {
             return Some(f32::INFINITY);
         }
-        let pose = *pose;
-        statics_around(self.world, lists, cell, &pose, placing)
+        statics_around(self.world, lists, cell, pose, placing)
     }
 
     /// Whether a placement insertion at `to` finds no object, given what [`PlainStep::objects_around`] said of `from`.
@@ -532,7 +521,7 @@ impl PlainStep<'_> {
     /// How far down ground is looked for at first, metres (5.6).
     #[inline(always)]
     pub(crate) fn search_depth(&self) -> f32 {
-        let radius = self.candidate.spheres[0].radius;
+        let radius = self.mover.spheres[0].radius;
         let mut h = self.mover.step_down_height;
         if self.candidate.count < 2 && 2.0 * radius < h {
             h = radius / 2.0;
@@ -543,12 +532,12 @@ impl PlainStep<'_> {
     /// What the sweep comes to, unless it made no progress.
     #[inline(always)]
     pub(crate) fn end(&self, pose: &Candidate, plane: Plane, is_water: bool) -> Option<PlainEnd> {
-        let moved = (pose.origin - self.from.frame.origin).abs();
-        if moved.x < EPSILON && moved.y < EPSILON && moved.z < EPSILON {
+        let moved = (pose.origin - Lanes::from(self.from.frame.origin)).abs();
+        if moved.less(Lanes::splat(EPSILON)) & 0b111 == 0b111 {
             return None;
         }
         Some(PlainEnd {
-            origin: pose.origin,
+            origin: pose.origin.xyz(),
             plane,
             is_water,
         })

@@ -2,7 +2,7 @@
 //! (`transition.md` 3.1).
 
 use glam::Vec3;
-use vestibule_world::{CellArray, CellEntry, CellId, Frame, Plane, Position, Sphere, World};
+use vestibule_world::{CellArray, CellEntry, CellId, Frame, Lanes, Plane, Position, Sphere, World};
 
 use crate::collision_info::CollisionInfo;
 use crate::constants::{DUMMY_SPHERE_RADIUS, STEP_HEIGHT_WITHOUT_SETUP};
@@ -284,7 +284,7 @@ pub fn sweep(
 ) -> Result<Swept, SweepError> {
     scratch.start();
     let mut built = BuiltArray::NONE;
-    let offset = from.offset_to(to);
+    let offset = offset_in_block(from, to);
     let radius = mover.spheres[0].radius;
     // Certainly one step.
     if offset.dot(offset) < 0.99 * (radius * radius)
@@ -295,6 +295,15 @@ pub fn sweep(
         return Ok(end.swept(mover, carried, from.cell, to));
     }
     sweep_any(world, population, scratch, mover, carried, from, to, built)
+}
+
+/// From one position to another of the same landblock, as [`Position::offset_to`]; between landblocks what is no number.
+#[inline(always)]
+fn offset_in_block(from: &Position, to: &Position) -> Lanes {
+    if from.cell.block() != to.cell.block() {
+        return Lanes::splat(f32::NAN);
+    }
+    Lanes::ZERO + Lanes::from(to.frame.origin) - Lanes::from(from.frame.origin)
 }
 
 /// The sweep by the rules. `built` is what is known of the cells around the candidate after the first step.
