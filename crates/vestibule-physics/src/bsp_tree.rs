@@ -224,34 +224,82 @@ pub(crate) struct WalkableSearch<'b> {
     pub(crate) found: Option<&'b Face>,
 }
 
-/// Moves the sphere back along its movement onto every polygon level enough to stand on, one after the other
-/// (6.6.2). Never stops early: the last success wins, and each polygon sees the sphere as the last one left it.
+/// What [`find_floor`] finds.
+pub(crate) struct Floor<'b> {
+    pub(crate) face: &'b Face,
+    /// It is the only one that looks up.
+    pub(crate) only: bool,
+    /// The sphere, moved.
+    pub(crate) sphere: Lanes,
+    pub(crate) walk_interp: f32,
+}
+
+/// As [`find_walkable`] for a whole movement.
 #[inline(always)]
-pub(crate) fn find_walkable<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>) {
-    let Some(face) = bsp.only_face_up().filter(|_| looks_up_only(search)) else {
-        return find_walkable_among(bsp, search);
-    };
+pub(crate) fn find_floor<'b>(
+    bsp: &'b PhysicsBsp,
+    sphere: Lanes,
+    movement: Lanes,
+    up: Lanes,
+    walkable_allowance: f32,
+) -> Option<Floor<'b>> {
     // Most rooms have one floor only.
-    let edges = bsp.edges(face);
-    if !(search.up.dot(Lanes::of_plane(&face.plane)) > search.walkable_allowance) {
-        return;
+    if let Some(face) = bsp.only_face_up()
+        && looks_up_only(up, walkable_allowance)
+    {
+        let edges = bsp.edges(face);
+        if !(up.dot(Lanes::of_plane(&face.plane)) > walkable_allowance) {
+            return None;
+        }
+        let overlap = polygon::overlap(face, edges, sphere);
+        if overlap == Overlap::None {
+            return None;
+        }
+        let (mut moved, mut walk_interp) = (sphere, 1.0);
+        if !polygon::adjust_sphere_to_plane(&face.plane, &mut moved, movement, &mut walk_interp) {
+            return None;
+        }
+        // A walk reaches the face for certain; it finds no more if the moved sphere hits nothing.
+        if polygon::overlap(face, edges, moved) == Overlap::None && is_sure(bsp, face, overlap, sphere) {
+            return Some(Floor {
+                face,
+                only: true,
+                sphere: moved,
+                walk_interp,
+            });
+        }
     }
-    let overlap = polygon::overlap(face, edges, search.sphere);
-    if overlap == Overlap::None {
-        return;
-    }
-    let before = (search.sphere, search.walk_interp);
-    if !rest_on(face, search) {
-        return;
-    }
-    let clear = polygon::overlap(face, edges, search.sphere) == Overlap::None;
-    if !(clear && is_sure(bsp, face, overlap, before.0)) {
-        walk_again(bsp, search, before);
-    }
+    find_floor_among(bsp, sphere, movement, up, walkable_allowance)
 }
 
 #[inline(never)]
-fn find_walkable_among<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>) {
+fn find_floor_among<'b>(
+    bsp: &'b PhysicsBsp,
+    sphere: Lanes,
+    movement: Lanes,
+    up: Lanes,
+    walkable_allowance: f32,
+) -> Option<Floor<'b>> {
+    let mut search = WalkableSearch {
+        sphere,
+        movement,
+        up,
+        walkable_allowance,
+        walk_interp: 1.0,
+        found: None,
+    };
+    find_walkable(bsp, &mut search);
+    search.found.map(|face| Floor {
+        face,
+        only: false,
+        sphere: search.sphere,
+        walk_interp: search.walk_interp,
+    })
+}
+
+/// Moves the sphere back along its movement onto every polygon level enough to stand on, one after the other
+/// (6.6.2). Never stops early: the last success wins, and each polygon sees the sphere as the last one left it.
+pub(crate) fn find_walkable<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>) {
     match walkable_hits(bsp, search) {
         Hits::None => {}
         Hits::One(face, overlap) => {
@@ -280,14 +328,14 @@ fn walk_again<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>, before: 
 
 /// Whether faces that hardly look up are too steep for certain.
 #[inline(always)]
-fn looks_up_only(search: &WalkableSearch<'_>) -> bool {
-    search.up.z() > 0.9999 && search.walkable_allowance > 0.08
+fn looks_up_only(up: Lanes, walkable_allowance: f32) -> bool {
+    up.z() > 0.9999 && walkable_allowance > 0.08
 }
 
 /// The polygons level enough to stand on that the sphere of a search overlaps.
 fn walkable_hits<'b>(bsp: &'b PhysicsBsp, search: &WalkableSearch<'b>) -> Hits<'b> {
     let (up, allowance) = (search.up, search.walkable_allowance);
-    let only_up = looks_up_only(search);
+    let only_up = looks_up_only(up, allowance);
     hits(bsp, search.sphere, only_up, |face| {
         up.dot(Lanes::of_plane(&face.plane)) > allowance
     })

@@ -1,7 +1,7 @@
 //! The usual step on terrain, worked out without a transition (`transition.md` 5.6, 5.8, 7.3); see
 //! [`crate::plain_step`].
 
-use vestibule_world::{CellId, LandCell, Landblock, Lanes, Plane, Water, certain_land_cell};
+use vestibule_world::{LandCell, Lanes, Plane, Water, certain_land_cell};
 
 use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS, SHAPE_INTERP_LIMIT, STEP_DOWN_ATTEMPTS};
 use crate::object_info::is_walkable_z;
@@ -73,20 +73,19 @@ impl OverLand<'_> {
 #[inline(always)]
 pub(crate) fn plain_step_on_land(
     step: &PlainStep<'_>,
-    block: &Landblock,
     scratch: &mut Scratch,
     built: &mut BuiltArray,
 ) -> Option<PlainEnd> {
-    let id: CellId = step.from.cell;
+    let (id, block) = (step.from.cell, step.block);
     let cell = block.land_cell(id)?;
     let drowned = block
         .land
         .as_ref()
         .is_none_or(|land| land.water == Water::Entirely);
     let spheres = step.candidate.spheres();
-    let spheres = spheres.get(..step.candidate.count).unwrap_or(&spheres);
+    let spheres = spheres.get(..step.shape.count()).unwrap_or(&spheres);
     let to_cells = certain_land_cell(step.world, block, id, cell, spheres, &mut scratch.cell_array);
-    *built = BuiltArray::certain(id, step.candidate.centers(), to_cells, &scratch.cell_array);
+    *built = BuiltArray::certain(id, step.candidate.spheres, to_cells, &scratch.cell_array);
     if !(to_cells > 0.0) || cell.restriction.is_some() || cell.building.is_some() || drowned {
         return None;
     }
@@ -98,7 +97,7 @@ pub(crate) fn plain_step_on_land(
     };
     settle(&mut over, MOVE_ATTEMPTS, None, 0.0)?;
     let moved = over.pose;
-    let objects = step.objects_around(block, id, &moved, false)?;
+    let objects = step.objects_around(id, &moved, false)?;
     if !step.candidate.is_within(&moved, to_cells) {
         return None;
     }
@@ -108,7 +107,7 @@ pub(crate) fn plain_step_on_land(
         over.shift(down(h));
         settle(&mut over, STEP_DOWN_ATTEMPTS, Some(1.0), h)?;
         if !step.candidate.is_within(&over.pose, to_cells)
-            || !step.clears_objects(block, id, (&moved, objects), &over.pose)
+            || !step.clears_objects(id, (&moved, objects), &over.pose)
             || over.contact?.normal.z < FLOOR_Z
         {
             return None;
@@ -118,7 +117,8 @@ pub(crate) fn plain_step_on_land(
             return None;
         };
     }
-    step.end(&over.pose, over.contact?, cell.water != Water::Not)
+    let plane = Lanes::of_plane(&over.contact?);
+    step.end(&over.pose, plane, cell.water != Water::Not, None)
 }
 
 /// Inserts until terrain is satisfied.

@@ -8,17 +8,19 @@
 
 use glam::Vec3;
 use vestibule_world::{
-    CellEntry, CellId, CylSphere, EnvCell, Frame, Landblock, Lanes, PhysicsBsp, Plane, Position, ShadowLists,
+    CellEntry, CellId, CylSphere, EnvCell, Frame, Landblock, Lanes, PhysicsBsp, Position, ShadowLists,
     Sphere, StaticObject, StaticReach, TransitHints, World, certain_rooms,
 };
 
 use crate::adjust_offset::along_planes;
-use crate::bsp_tree::{self, WalkableSearch};
+use crate::bsp_tree::{self, Floor};
+use crate::collision_info::sliding_normal;
 use crate::constants::{EPSILON, FLOOR_Z};
 use crate::cylsphere::overlaps_cylinder;
 use crate::flags::{ObjectState, PhysicsState};
 use crate::math::normalised;
 use crate::plain_land::plain_step_on_land;
+use crate::plain_walls::{Near, Slide};
 use crate::polygon;
 use crate::population::Population;
 use crate::sphere::overlaps_sphere;
@@ -31,37 +33,48 @@ pub(crate) struct OpenFloor {
     /// What takes the lowered candidate back up.
     pub(crate) offset: Lanes,
     /// The floor's plane in the frame of the cell's landblock.
-    pub(crate) plane: Plane,
+    pub(crate) plane: Lanes,
     pub(crate) walk_interp: f32,
 }
 
-/// A candidate: the origin of its position, its spheres in the frame of the landblock, and where they are relative
-/// to the origin. Radii are in the fourth lanes.
+/// The spheres of a mover, as it is turned.
 #[derive(Clone, Copy)]
-pub(crate) struct Candidate {
-    pub(crate) origin: Lanes,
-    pub(crate) spheres: [Lanes; 2],
+pub(crate) struct Shape {
+    /// Where they are relative to the origin, radii in the fourth lanes.
     pub(crate) arms: [Lanes; 2],
-    pub(crate) count: usize,
+    pub(crate) two: bool,
 }
 
-impl Candidate {
-    /// A mover at a place.
-    #[inline(always)]
-    pub(crate) fn at(origin: Lanes, arms: &Arms, mover: &Mover) -> Self {
-        Candidate {
-            origin,
-            spheres: [origin + arms.center[0], origin + arms.center[1]],
-            arms: arms.center,
-            count: mover.spheres().len(),
-        }
-    }
-
+impl Shape {
     /// The radius of its larger sphere, metres.
     #[inline(always)]
     fn larger_radius(&self) -> f32 {
         let [foot, head] = self.arms.map(Lanes::fourth);
-        if self.count > 1 && head > foot { head } else { foot }
+        if self.two && head > foot { head } else { foot }
+    }
+
+    /// How many spheres it has.
+    #[inline(always)]
+    pub(crate) fn count(&self) -> usize {
+        1 + usize::from(self.two)
+    }
+}
+
+/// Where a candidate is: its origin and its spheres in the frame of the landblock, radii in the fourth lanes.
+#[derive(Clone, Copy)]
+pub(crate) struct Candidate {
+    pub(crate) origin: Lanes,
+    pub(crate) spheres: [Lanes; 2],
+}
+
+impl Candidate {
+    /// Spheres where the origin says (retail `set_check_pos`).
+    #[inline(always)]
+    pub(crate) fn at(origin: Lanes, shape: &Shape) -> Self {
+        Candidate {
+            origin,
+            spheres: shape.arms.map(|arm| origin + arm),
+        }
     }
 
     #[inline(always)]
@@ -79,10 +92,8 @@ impl Candidate {
 
     /// Sphere `i` in a local frame, as polygons see it (retail `cache_localspace_sphere`).
     #[inline(always)]
-    pub(crate) fn local(&self, frame: &Frame, i: usize) -> Lanes {
-        let radius = self.arms[i].fourth();
-        let center = frame.turned_in(self.origin + self.arms[i] - Lanes::from(frame.origin));
-        center.with_fourth(radius)
+    pub(crate) fn local(&self, shape: &Shape, frame: &Frame, i: usize) -> Lanes {
+        local_center(self.origin, shape, frame, i).with_fourth(shape.arms[i].fourth())
     }
 
     /// Whether another pose is less than `distance` away.
@@ -93,9 +104,9 @@ impl Candidate {
     }
 
     /// Whether an insertion finds nothing of a part of a static object.
-    fn clears_part(&self, frame: &Frame, bsp: &PhysicsBsp, bound: &Sphere, placing: bool) -> bool {
-        let local = [self.local(frame, 0), self.local(frame, 1)];
-        let local = local.get(..self.count).unwrap_or(&local);
+    fn clears_part(&self, shape: &Shape, frame: &Frame, bsp: &PhysicsBsp, bound: &Sphere, placing: bool) -> bool {
+        let local = [self.local(shape, frame, 0), self.local(shape, frame, 1)];
+        let local = local.get(..shape.count()).unwrap_or(&local);
         let reached = local
             .iter()
             .any(|&s| bsp_tree::spheres_overlap(bound, &s.into()));
@@ -107,59 +118,67 @@ impl Candidate {
 
     /// Whether a moving insertion into the cell finds nothing.
     #[inline(always)]
-    fn is_clear(&self, cell: &EnvCell) -> bool {
-        self.is_in_the_open(cell) || self.overlaps_nothing(cell)
+    pub(crate) fn is_clear(&self, shape: &Shape, cell: &EnvCell) -> bool {
+        self.is_in_the_open(shape, cell) || overlaps_nothing(shape, self.origin, cell)
     }
 
     /// Whether the cell's box of open space holds all spheres.
     #[inline(always)]
-    fn is_in_the_open(&self, cell: &EnvCell) -> bool {
-        let clear = |s: Lanes| cell.hints.certainly_clear(s, s.fourth());
-        clear(self.spheres[0]) && (self.count < 2 || clear(self.spheres[1]))
-    }
-
-    #[inline(never)]
-    fn overlaps_nothing(&self, cell: &EnvCell) -> bool {
-        let Some(bsp) = &cell.structure.physics else {
-            return true;
-        };
-        (0..self.count).all(|i| bsp_tree::overlaps_nothing(bsp, self.local(&cell.frame, i)))
+    pub(crate) fn is_in_the_open(&self, shape: &Shape, cell: &EnvCell) -> bool {
+        let clear = |i: usize| cell.hints.certainly_clear(self.spheres[i], shape.arms[i].fourth());
+        clear(0) && (!shape.two || clear(1))
     }
 
     /// Whether the rest of a step down onto a floor finds nothing of a cell: another attempt, which asks whether the
     /// foot overlaps ground, and the placement insertion, which asks whether any sphere overlaps anything.
     #[inline(always)]
-    pub(crate) fn rests_in(&self, cell: &EnvCell) -> bool {
-        (cell.hints.open_is_hollow() && self.is_in_the_open(cell)) || self.touches_nothing_solid(cell)
-    }
-
-    #[inline(never)]
-    fn touches_nothing_solid(&self, cell: &EnvCell) -> bool {
-        let Some(bsp) = &cell.structure.physics else {
-            return true;
-        };
-        (0..self.count).all(|i| !bsp_tree::sphere_intersects_solid(bsp, self.local(&cell.frame, i), true))
+    pub(crate) fn rests_in(&self, shape: &Shape, cell: &EnvCell) -> bool {
+        (cell.hints.open_is_hollow() && self.is_in_the_open(shape, cell))
+            || touches_nothing_solid(shape, self.origin, cell)
     }
 
     /// As [`Candidate::rests_in`] for other cells that the candidate reaches, none of which keeps anyone out.
     #[inline(always)]
-    pub(crate) fn rests_beside(&self, block: &Landblock, others: &[CellEntry]) -> bool {
+    pub(crate) fn rests_beside(&self, shape: &Shape, block: &Landblock, others: &[CellEntry]) -> bool {
         for entry in others {
             let Some(other) = block.env_cell(entry.id) else {
                 return false;
             };
-            if other.restriction.is_some() || !self.rests_in(other) {
+            if other.restriction.is_some() || !self.rests_in(shape, other) {
                 return false;
             }
         }
         true
     }
+}
 
-    /// Where its spheres are.
-    #[inline(always)]
-    pub(crate) fn centers(&self) -> [Lanes; 2] {
-        self.spheres
-    }
+/// Centre of sphere `i` in a local frame.
+#[inline(always)]
+pub(crate) fn local_center(origin: Lanes, shape: &Shape, frame: &Frame, i: usize) -> Lanes {
+    frame.turned_in(origin + shape.arms[i] - Lanes::from(frame.origin))
+}
+
+#[inline(always)]
+fn local_sphere(origin: Lanes, shape: &Shape, frame: &Frame, i: usize) -> Lanes {
+    local_center(origin, shape, frame, i).with_fourth(shape.arms[i].fourth())
+}
+
+#[inline(never)]
+fn overlaps_nothing(shape: &Shape, origin: Lanes, cell: &EnvCell) -> bool {
+    let Some(bsp) = &cell.structure.physics else {
+        return true;
+    };
+    let local = |i| local_sphere(origin, shape, &cell.frame, i);
+    bsp_tree::overlaps_nothing(bsp, local(0)) && (!shape.two || bsp_tree::overlaps_nothing(bsp, local(1)))
+}
+
+#[inline(never)]
+fn touches_nothing_solid(shape: &Shape, origin: Lanes, cell: &EnvCell) -> bool {
+    let Some(bsp) = &cell.structure.physics else {
+        return true;
+    };
+    let solid = |i| bsp_tree::sphere_intersects_solid(bsp, local_sphere(origin, shape, &cell.frame, i), true);
+    !solid(0) && (!shape.two || !solid(1))
 }
 
 /// A shift down, metres.
@@ -168,18 +187,20 @@ pub(crate) fn down(h: f32) -> Lanes {
     Lanes::from(Vec3::new(0.0, 0.0, -h))
 }
 
-/// The search for a floor of the cell in a step down by `h` (6.11.1).
+/// The floor of a cell that the foot sphere is lifted onto in a step down by `h`, level enough by `z` (6.11.1).
 #[inline(always)]
-pub(crate) fn search_below<'a>(cell: &EnvCell, at: &Candidate, h: f32, z: f32) -> WalkableSearch<'a> {
+pub(crate) fn search_below<'b>(
+    cell: &'b EnvCell,
+    shape: &Shape,
+    at: &Candidate,
+    h: f32,
+    z: f32,
+) -> Option<(&'b PhysicsBsp, Floor<'b>, Lanes)> {
+    let bsp = cell.structure.physics.as_ref()?;
     let up = cell.frame.up();
-    WalkableSearch {
-        sphere: at.local(&cell.frame, 0),
-        movement: up * -h,
-        up,
-        walkable_allowance: z,
-        walk_interp: 1.0,
-        found: None,
-    }
+    let local = at.local(shape, &cell.frame, 0);
+    let floor = bsp_tree::find_floor(bsp, local, up * -h, up, z)?;
+    Some((bsp, floor, local))
 }
 
 /// How a step down by `h` ends when it finds a floor of the cell and nothing of the cell is in the way of the
@@ -188,65 +209,61 @@ pub(crate) fn search_below<'a>(cell: &EnvCell, at: &Candidate, h: f32, z: f32) -
 #[inline(always)]
 pub(crate) fn find_open_floor(
     cell: &EnvCell,
+    shape: &Shape,
     lowered: &mut Candidate,
     h: f32,
     z: f32,
     supported: bool,
 ) -> Option<OpenFloor> {
-    let bsp = cell.structure.physics.as_ref()?;
     let frame = &cell.frame;
-    let mut search = search_below(cell, lowered, h, z);
-    let (local, up) = (search.sphere, search.up);
-    bsp_tree::find_walkable(bsp, &mut search);
-    let face = search.found?;
-    let plane = Lanes::of_plane(&face.plane);
-    let normal = frame.turned_out(plane);
-    if normal.z() < z {
+    let (bsp, floor, local) = search_below(cell, shape, lowered, h, z)?;
+    let face = floor.face;
+    let plane = match cell.hints.only_floor() {
+        Some(plane) if floor.only => plane,
+        _ => cell.frame.plane_out(&face.plane),
+    };
+    if plane.z() < z {
         return None;
     }
     if supported {
-        let half = search.sphere.fourth() * 0.5;
-        if !polygon::check_walkable(face, bsp.edges(face), search.sphere, half, up) {
+        let half = shape.arms[0].fourth() * 0.5;
+        if !polygon::check_walkable(face, bsp.edges(face), floor.sphere, half, frame.up()) {
             return None;
         }
     }
-    let offset = frame.turned_out(search.sphere - local);
+    let offset = frame.turned_out(floor.sphere - local);
     lowered.shift(offset);
-    if !lowered.rests_in(cell) {
+    if !lowered.rests_in(shape, cell) {
         return None;
     }
-    let point = Lanes::ZERO + (Lanes::from(frame.origin) + frame.turned_out(plane * -plane.fourth()));
     Some(OpenFloor {
         offset,
-        plane: Plane {
-            normal: normal.xyz(),
-            d: -normal.dot(point),
-        },
-        walk_interp: search.walk_interp,
+        plane,
+        walk_interp: floor.walk_interp,
     })
 }
 
 /// How far a candidate may be shifted before one of its spheres comes near a static object of a cell, metres.
 #[inline(always)]
-pub(crate) fn distance_to_statics(lists: &ShadowLists, cell: CellId, pose: &Candidate) -> f32 {
-    let larger = pose.larger_radius();
+pub(crate) fn distance_to_statics(lists: &ShadowLists, cell: CellId, shape: &Shape, pose: &Candidate) -> f32 {
+    let larger = shape.larger_radius();
     let mut least = f32::INFINITY;
     for (_, reach) in lists.with_reaches(cell) {
-        let d = distance_to_reach(reach, larger, pose);
+        let d = distance_to_reach(reach, larger, shape, pose);
         least = if d < least { d } else { least };
     }
     least
 }
 
 #[inline(always)]
-fn distance_to_reach(reach: &StaticReach, larger: f32, pose: &Candidate) -> f32 {
+fn distance_to_reach(reach: &StaticReach, larger: f32, shape: &Shape, pose: &Candidate) -> f32 {
     let center = Lanes::from(reach.sphere);
     let squared = |s: Lanes| {
         let between = s - center;
         between.dot(between)
     };
     let mut nearest = squared(pose.spheres[0]);
-    if pose.count > 1 {
+    if shape.two {
         let head = squared(pose.spheres[1]);
         nearest = if head < nearest { head } else { nearest };
     }
@@ -255,34 +272,39 @@ fn distance_to_reach(reach: &StaticReach, larger: f32, pose: &Candidate) -> f32 
 
 /// Where a usual step ends: in the cell it began in, on walkable ground.
 pub(crate) struct PlainEnd {
-    pub(crate) origin: Vec3,
-    /// What it stands on.
-    pub(crate) plane: Plane,
+    pub(crate) origin: Lanes,
+    /// What it stands on; its `d` in the fourth lane.
+    pub(crate) plane: Lanes,
+    pub(crate) plane_cell: CellId,
     pub(crate) is_water: bool,
+    /// What it ran into.
+    pub(crate) hit: Option<Vec3>,
+    /// It was put back to where it began.
+    pub(crate) stopped: bool,
 }
 
 impl PlainEnd {
-    /// What the sweep comes to.
+    /// What the sweep comes to (5.11).
     #[inline(always)]
     pub(crate) fn swept(&self, mover: &Mover, carried: &Carried, cell: CellId, to: &Position) -> Swept {
         let mut frame = to.frame;
-        frame.origin = self.origin;
+        frame.origin = self.origin.xyz();
         let falls = mover.physics.has(PhysicsState::GRAVITY);
         Swept {
             ok: true,
             cell: Some(cell),
             position: Position { cell, frame },
             contact: Some(ContactPlane {
-                plane: self.plane,
-                cell,
+                plane: self.plane.plane(),
+                cell: self.plane_cell,
                 is_water: self.is_water,
             }),
             on_walkable: true,
-            collision_normal: None,
-            sliding_normal: None,
+            collision_normal: self.hit,
+            sliding_normal: self.hit.map(sliding_normal),
             collided_with_environment: false,
             stationary: if falls { 0 } else { carried.stationary },
-            velocity_killed: false,
+            velocity_killed: self.stopped,
         }
     }
 }
@@ -293,6 +315,9 @@ pub(crate) struct PlainStep<'a> {
     pub(crate) population: &'a Population,
     pub(crate) mover: &'a Mover,
     pub(crate) from: &'a Position,
+    pub(crate) contact: &'a ContactPlane,
+    pub(crate) block: &'a Landblock,
+    pub(crate) shape: Shape,
     /// The candidate after the step, before it is inserted.
     pub(crate) candidate: Candidate,
     /// The lowest point of the candidate.
@@ -328,16 +353,19 @@ pub(crate) fn plain_step(
         return None;
     }
     let arms = Arms::of(&from.frame, &mover.spheres);
-    let mut pose = Candidate::at(from.frame.origin.into(), &arms, mover);
+    let shape = Shape {
+        arms: arms.center,
+        two: mover.spheres().len() > 1,
+    };
+    let mut pose = Candidate::at(from.frame.origin.into(), &shape);
     let mut low = pose.origin + arms.low;
 
     // The offset, bent; a foot in the floor is pushed out of it first (4.2).
-    let wall = match carried.sliding_normal {
-        Some(n) => Some(normalised(n).unwrap_or(Vec3::ZERO)).filter(|&n| offset.dot(n.into()) < 0.0),
-        None => None,
-    };
     let plane = Lanes::of_plane(&contact.plane);
-    let v = along_planes(offset, plane, wall);
+    let v = match carried.sliding_normal {
+        Some(n) => along_wall(offset, plane, n)?,
+        None => along_planes(offset, plane, None),
+    };
     if EPSILON * EPSILON > v.dot(v) {
         return None;
     }
@@ -355,25 +383,34 @@ pub(crate) fn plain_step(
     }
     pose.shift(v);
     // Positions come in by the candidate. The long way says what is not finite.
-    let steps = mover.step_up_height + mover.step_down_height;
-    let slide = Lanes::new(carried.sliding_normal.unwrap_or(Vec3::ZERO), steps);
-    if !(plane + rotation + slide + pose.origin).all_finite() {
+    let heights = Lanes::splat(mover.step_up_height + mover.step_down_height);
+    if !(plane + rotation + heights + pose.origin).all_finite() {
         return None;
     }
-    let block = world.block(from.cell.block())?;
     let step = PlainStep {
         world,
         population,
         mover,
         from,
+        contact,
+        block: world.block(from.cell.block())?,
+        shape,
         candidate: pose,
         low: low + v,
     };
     if from.cell.is_indoor() {
-        step.in_rooms(block, scratch, built)
+        step.in_rooms(scratch, built)
     } else {
-        plain_step_on_land(&step, block, scratch, built)
+        plain_step_on_land(&step, scratch, built)
     }
+}
+
+/// The offset of a mover that carries a sliding normal (4.2); `None` when that is not finite.
+#[inline(never)]
+fn along_wall(offset: Lanes, plane: Lanes, sliding: Vec3) -> Option<Lanes> {
+    let n = normalised(sliding).unwrap_or(Vec3::ZERO);
+    let wall = (offset.dot(n.into()) < 0.0).then_some(n);
+    sliding.is_finite().then(|| along_planes(offset, plane, wall))
 }
 
 /// See [`PlainStep::objects_around`].
@@ -382,33 +419,41 @@ fn statics_around(
     world: &World,
     lists: &ShadowLists,
     cell: CellId,
+    shape: &Shape,
     pose: &Candidate,
     placing: bool,
 ) -> Option<f32> {
-    let least = distance_to_statics(lists, cell, pose);
+    let least = distance_to_statics(lists, cell, shape, pose);
     if least > 0.0 {
         return Some(least);
     }
-    clears_statics(world, lists, cell, pose, placing).then_some(0.0)
+    clears_statics(world, lists, cell, shape, pose, placing).then_some(0.0)
 }
 
 /// Whether a pose that is near static objects certainly touches none of them.
-fn clears_statics(world: &World, lists: &ShadowLists, cell: CellId, pose: &Candidate, placing: bool) -> bool {
-    let larger = pose.larger_radius();
+fn clears_statics(
+    world: &World,
+    lists: &ShadowLists,
+    cell: CellId,
+    shape: &Shape,
+    pose: &Candidate,
+    placing: bool,
+) -> bool {
+    let larger = shape.larger_radius();
     lists.with_reaches(cell).all(|(r, reach)| {
-        if distance_to_reach(reach, larger, pose) > 0.0 {
+        if distance_to_reach(reach, larger, shape, pose) > 0.0 {
             return true;
         }
         let Some(object) = world.static_object(r) else {
             return true;
         };
-        object.cell.block() == cell.block() && clears_object(object, pose, placing)
+        object.cell.block() == cell.block() && clears_object(object, shape, pose, placing)
     })
 }
 
 /// Whether a pose certainly does not touch a static object of its landblock: by the one kind of shape that counts
 /// (8.2).
-fn clears_object(object: &StaticObject, pose: &Candidate, placing: bool) -> bool {
+fn clears_object(object: &StaticObject, mover: &Shape, pose: &Candidate, placing: bool) -> bool {
     let shape = &object.shape;
     if shape.has_physics_bsp {
         return shape.parts.iter().zip(&object.part_frames).all(|(part, frame)| {
@@ -417,105 +462,120 @@ fn clears_object(object: &StaticObject, pose: &Candidate, placing: bool) -> bool
             else {
                 return true;
             };
-            part.scale.z == 1.0 && pose.clears_part(frame, bsp, &bound, placing)
+            part.scale.z == 1.0 && pose.clears_part(mover, frame, bsp, &bound, placing)
         });
     }
     let place = |p: Vec3| Vec3::ZERO + object.frame.local_to_global(p);
     if shape.cylspheres.is_empty() {
         let place = |s: &Sphere| Sphere::new(place(s.center), s.radius);
         let mut spheres = shape.spheres.iter().map(place);
-        return !spheres.any(|s| overlaps_sphere(&s, &pose.spheres(), pose.count));
+        return !spheres.any(|s| overlaps_sphere(&s, &pose.spheres(), mover.count()));
     }
     let place = |c: &CylSphere| CylSphere {
         low_point: place(c.low_point),
         ..*c
     };
     let mut cylinders = shape.cylspheres.iter().map(place);
-    !cylinders.any(|c| overlaps_cylinder(&c, &pose.spheres(), pose.count))
+    !cylinders.any(|c| overlaps_cylinder(&c, &pose.spheres(), mover.count()))
 }
 
 impl PlainStep<'_> {
     /// In a room, and maybe partly in others of the landblock.
     #[inline(always)]
-    fn in_rooms(&self, block: &Landblock, scratch: &mut Scratch, built: &mut BuiltArray) -> Option<PlainEnd> {
-        let cell = block.env_cell(self.from.cell)?;
-        let to_cells = self.certain_rooms(block, cell, scratch);
-        *built = BuiltArray::certain(cell.id, self.candidate.centers(), to_cells, &scratch.cell_array);
-        if !(to_cells > 0.0) || cell.restriction.is_some() || !self.candidate.is_clear(cell) {
+    fn in_rooms(&self, scratch: &mut Scratch, built: &mut BuiltArray) -> Option<PlainEnd> {
+        let cell = self.block.env_cell(self.from.cell)?;
+        let to_cells = self.certain_rooms(cell, scratch);
+        let end = self.in_certain_rooms(cell, to_cells, scratch);
+        if end.is_none() {
+            *built = BuiltArray::certain(cell.id, self.candidate.spheres, to_cells, &scratch.cell_array);
+        }
+        end
+    }
+
+    #[inline(always)]
+    fn in_certain_rooms(&self, cell: &EnvCell, to_cells: f32, scratch: &Scratch) -> Option<PlainEnd> {
+        if !(to_cells > 0.0) || cell.restriction.is_some() {
             return None;
         }
         let others = scratch.cell_array.entries().get(1..)?;
-        let mut objects = self.objects_around(block, cell.id, &self.candidate, false)?;
+        let mut objects = self.objects_around(cell.id, &self.candidate, false)?;
+        let mut clear = self.candidate.is_clear(&self.shape, cell);
         for entry in others {
-            let other = block.env_cell(entry.id)?;
-            if other.restriction.is_some() || !self.candidate.is_clear(other) {
+            let other = self.block.env_cell(entry.id)?;
+            if other.restriction.is_some() {
                 return None;
             }
-            let d = self.objects_around(block, other.id, &self.candidate, false)?;
+            clear = clear && self.candidate.is_clear(&self.shape, other);
+            let d = self.objects_around(other.id, &self.candidate, false)?;
             objects = if d < objects { d } else { objects };
+        }
+        let (mut pose, mut hit) = (self.candidate, None);
+        if !clear {
+            let near = Near {
+                cell,
+                others,
+                distance: if to_cells < objects { to_cells } else { objects },
+            };
+            match self.slide_along_walls(&near)? {
+                Slide::To(at, n) => (pose, hit) = (at, Some(n)),
+                Slide::Stopped(n) => return self.stop(n, to_cells),
+            }
         }
         // The ground below (5.6).
         let h = self.search_depth();
-        let mut lowered = self.candidate;
+        let mut lowered = pose;
         lowered.shift(down(h));
         let supported = self.mover.state.has(ObjectState::EDGE_SLIDE);
-        let floor = find_open_floor(cell, &mut lowered, h, FLOOR_Z, supported)?;
-        if !self.candidate.is_within(&lowered, to_cells) || !lowered.rests_beside(block, others) {
+        let floor = find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported)?;
+        if !self.candidate.is_within(&lowered, to_cells)
+            || !lowered.rests_beside(&self.shape, self.block, others)
+        {
             return None;
         }
         if !self.candidate.is_within(&lowered, objects) {
             let mut all = scratch.cell_array.entries().iter();
-            if !all.all(|entry| self.objects_around(block, entry.id, &lowered, true).is_some()) {
+            if !all.all(|entry| self.objects_around(entry.id, &lowered, true).is_some()) {
                 return None;
             }
         }
-        self.end(&lowered, floor.plane, false)
+        self.end(&lowered, floor.plane, false, hit)
     }
 
     /// Fills the cell array; see [`certain_rooms`].
     #[inline(always)]
-    fn certain_rooms(&self, block: &Landblock, cell: &EnvCell, scratch: &mut Scratch) -> f32 {
-        let quiet = |s: Lanes| cell.hints.is_quiet(s, s.fourth());
-        let [foot, head] = self.candidate.spheres;
-        if quiet(foot) && (self.candidate.count < 2 || quiet(head)) {
+    fn certain_rooms(&self, cell: &EnvCell, scratch: &mut Scratch) -> f32 {
+        let quiet = |i: usize| {
+            cell.hints
+                .is_quiet(self.candidate.spheres[i], self.shape.arms[i].fourth())
+        };
+        if quiet(0) && (!self.shape.two || quiet(1)) {
             scratch.cell_array.start(cell.id, true);
             return TransitHints::QUIET_SHIFT;
         }
         let spheres = self.candidate.spheres();
-        let spheres = spheres.get(..self.candidate.count).unwrap_or(&spheres);
-        certain_rooms(block, cell, spheres, &mut scratch.cell_array)
+        let spheres = spheres.get(..self.shape.count()).unwrap_or(&spheres);
+        certain_rooms(self.block, cell, spheres, &mut scratch.cell_array)
     }
 
     /// How far a pose may be shifted before it comes near an object, metres: zero when it is near some but clears
     /// them. `None` when it does not, or that is not easily told. `placing`: as a placement insertion asks.
     #[inline(always)]
-    pub(crate) fn objects_around(
-        &self,
-        block: &Landblock,
-        cell: CellId,
-        pose: &Candidate,
-        placing: bool,
-    ) -> Option<f32> {
+    pub(crate) fn objects_around(&self, cell: CellId, pose: &Candidate, placing: bool) -> Option<f32> {
         if self.population.has_bodies() && !self.population.is_alone_in(cell, self.mover.body) {
             return None;
         }
-        let lists = self.world.shadow_lists(block);
+        let lists = self.world.shadow_lists(self.block);
         if lists.is_empty_in(cell) {
             return Some(f32::INFINITY);
         }
-        statics_around(self.world, lists, cell, pose, placing)
+        let (shape, pose) = (self.shape, *pose);
+        statics_around(self.world, lists, cell, &shape, &pose, placing)
     }
 
     /// Whether a placement insertion at `to` finds no object, given what [`PlainStep::objects_around`] said of `from`.
     #[inline(always)]
-    pub(crate) fn clears_objects(
-        &self,
-        block: &Landblock,
-        cell: CellId,
-        from: (&Candidate, f32),
-        to: &Candidate,
-    ) -> bool {
-        from.0.is_within(to, from.1) || self.objects_around(block, cell, to, true).is_some()
+    pub(crate) fn clears_objects(&self, cell: CellId, from: (&Candidate, f32), to: &Candidate) -> bool {
+        from.0.is_within(to, from.1) || self.objects_around(cell, to, true).is_some()
     }
 
     /// How far down ground is looked for at first, metres (5.6).
@@ -523,7 +583,7 @@ impl PlainStep<'_> {
     pub(crate) fn search_depth(&self) -> f32 {
         let radius = self.mover.spheres[0].radius;
         let mut h = self.mover.step_down_height;
-        if self.candidate.count < 2 && 2.0 * radius < h {
+        if !self.shape.two && 2.0 * radius < h {
             h = radius / 2.0;
         }
         if 2.0 * radius >= h { h } else { h / 2.0 }
@@ -531,15 +591,24 @@ impl PlainStep<'_> {
 
     /// What the sweep comes to, unless it made no progress.
     #[inline(always)]
-    pub(crate) fn end(&self, pose: &Candidate, plane: Plane, is_water: bool) -> Option<PlainEnd> {
+    pub(crate) fn end(
+        &self,
+        pose: &Candidate,
+        plane: Lanes,
+        is_water: bool,
+        hit: Option<Vec3>,
+    ) -> Option<PlainEnd> {
         let moved = (pose.origin - Lanes::from(self.from.frame.origin)).abs();
         if moved.less(Lanes::splat(EPSILON)) & 0b111 == 0b111 {
             return None;
         }
         Some(PlainEnd {
-            origin: pose.origin.xyz(),
+            origin: pose.origin,
             plane,
+            plane_cell: self.from.cell,
             is_water,
+            hit,
+            stopped: false,
         })
     }
 }

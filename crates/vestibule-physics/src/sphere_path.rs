@@ -7,7 +7,7 @@ use vestibule_world::{CellId, EnvCell, Face, Frame, LandCell, Landblock, Lanes, 
 
 use crate::constants::EPSILON;
 use crate::math::UP;
-use crate::plain_step::Candidate;
+use crate::plain_step::{Candidate, Shape};
 use crate::transition::InsertType;
 
 /// A resident cell.
@@ -413,8 +413,15 @@ impl<'w> SpherePath<'w> {
         Candidate {
             origin: self.check_pos.origin.into(),
             spheres: self.global_sphere.map(Lanes::from),
+        }
+    }
+
+    /// The candidate's spheres, as it is turned.
+    #[inline]
+    pub(crate) fn shape(&self) -> Shape {
+        Shape {
             arms: self.check_arms.center,
-            count: self.num_sphere,
+            two: self.num_sphere > 1,
         }
     }
 

@@ -3,7 +3,6 @@
 use glam::Vec3;
 use vestibule_world::{EnvCell, Sphere};
 
-use crate::bsp_tree;
 use crate::constants::{
     DEFAULT_STEP_HEIGHT, FLOOR_Z, MAX_INSERTION_DEPTH, STEP_DOWN_ATTEMPTS, Z_FOR_LANDING,
 };
@@ -87,13 +86,9 @@ impl Transition<'_, '_> {
         if !self.is_array_certain() || !self.has_statics_afar(cell.id, block) {
             return false;
         }
-        let at = self.path.candidate();
+        let (shape, at) = (self.path.shape(), self.path.candidate());
         let finds_floor = |cell: &EnvCell| {
-            cell.structure.physics.as_ref().is_some_and(|bsp| {
-                let mut search = search_below(cell, &at, h, z);
-                bsp_tree::find_walkable(bsp, &mut search);
-                search.found.is_some()
-            })
+            search_below(cell, &shape, &at, h, z).is_some()
         };
         if finds_floor(cell) {
             return false;
@@ -136,17 +131,17 @@ impl Transition<'_, '_> {
         {
             return false;
         }
-        let mut lowered = path.candidate();
+        let (shape, mut lowered) = (path.shape(), path.candidate());
         lowered.shift(down(h));
         let edge_slide = self.object.is(ObjectState::EDGE_SLIDE);
         let supported = edge_slide && self.object.is(ObjectState::ON_WALKABLE);
-        let Some(floor) = find_open_floor(cell, &mut lowered, h, z, supported) else {
+        let Some(floor) = find_open_floor(cell, &shape, &mut lowered, h, z, supported) else {
             return false;
         };
         let at = lowered.spheres[0].xyz();
         let others = self.other_rooms();
         if !self.built.holds(cell.id, at)
-            || !lowered.rests_beside(block, others)
+            || !lowered.rests_beside(&shape, block, others)
             || !self.has_no_objects_near(cell.id, block, at)
             || !others
                 .iter()
@@ -160,7 +155,7 @@ impl Transition<'_, '_> {
         self.path.add_offset_to_check_pos(floor.offset.xyz());
         self.path.walk_interp = floor.walk_interp;
         self.path.obstruction_ethereal = false;
-        self.info.set_contact(floor.plane, false, cell.id);
+        self.info.set_contact(floor.plane.plane(), false, cell.id);
         self.build_cell_array(true);
         true
     }

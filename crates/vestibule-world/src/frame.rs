@@ -2,6 +2,7 @@
 
 use glam::{Quat, Vec3};
 
+use crate::geometry::Plane;
 use crate::lanes::Lanes;
 
 /// An origin and a rotation that take local coordinates to the enclosing frame (for positions: the frame of
@@ -75,6 +76,17 @@ impl Frame {
     #[inline(always)]
     pub fn up(&self) -> Lanes {
         self.columns[2]
+    }
+
+    /// A plane in the enclosing frame, its `d` in the fourth lane: through the foot of the local plane's normal
+    /// (`transition.md` 1.5.9).
+    #[inline]
+    pub fn plane_out(&self, plane: &Plane) -> Lanes {
+        let plane = Lanes::of_plane(plane);
+        let normal = self.turned_out(plane);
+        let foot = Lanes::from(self.origin) + self.turned_out(plane * -plane.fourth());
+        // Retail adds the offset between landblocks, here zero, which takes the sign of a zero away.
+        normal.with_fourth(-normal.dot(Lanes::ZERO + foot))
     }
 
     /// A local point in the enclosing frame (retail `localtoglobal`).

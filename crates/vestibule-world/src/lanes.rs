@@ -1,7 +1,7 @@
 //! Vectors in the four lanes of one register, for what every sweep does. Each operation is that of its lanes, so the
 //! bits are those of [`Vec3`], on every target.
 
-use core::ops::{Add, AddAssign, Mul, Sub};
+use core::ops::{Add, AddAssign, Div, Mul, Sub};
 
 use glam::{Quat, Vec3};
 use wide::f32x4;
@@ -82,6 +82,16 @@ impl Lanes {
         Lanes::new(p.normal, p.d)
     }
 
+    /// The plane of [`Lanes::of_plane`].
+    #[inline(always)]
+    pub fn plane(self) -> Plane {
+        let [x, y, z, d] = self.0.to_array();
+        Plane {
+            normal: Vec3::new(x, y, z),
+            d,
+        }
+    }
+
     /// The first three lanes.
     #[inline(always)]
     pub fn xyz(self) -> Vec3 {
@@ -130,6 +140,14 @@ impl Lanes {
     #[inline(always)]
     pub fn all_equal(self, other: Lanes) -> bool {
         self.0.simd_eq(other.0).to_bitmask() == 0b1111
+    }
+
+    /// Whether the first three lanes have the same bits.
+    #[inline(always)]
+    pub fn has_bits_of(self, other: Lanes) -> bool {
+        let bits = |v: Lanes| v.0.to_array().map(f32::to_bits);
+        let ([a, b, c, _], [x, y, z, _]) = (bits(self), bits(other));
+        (a ^ x) | (b ^ y) | (c ^ z) == 0
     }
 
     /// Whether all four lanes are finite.
@@ -219,6 +237,14 @@ impl Sub for Lanes {
     }
 }
 
+impl Div<f32> for Lanes {
+    type Output = Lanes;
+    #[inline(always)]
+    fn div(self, k: f32) -> Lanes {
+        Lanes(self.0 / f32x4::splat(k))
+    }
+}
+
 impl Mul<f32> for Lanes {
     type Output = Lanes;
     #[inline(always)]
@@ -289,7 +315,7 @@ mod tests {
         let (a, b) = (Lanes::from(A), Lanes::from(B));
         assert_eq!((a + b).xyz(), A + B);
         assert_eq!((a - b).xyz(), A - B);
-        assert_eq!((a * 0.3).xyz(), A * 0.3);
+        assert_eq!(((a * 0.3).xyz(), (a / 0.3).xyz()), (A * 0.3, A / 0.3));
         assert_eq!(a.abs().xyz(), A.abs());
         assert_eq!(a.dot(b), A.dot(B));
         let plane = Plane { normal: B, d: 0.7 };

@@ -32,6 +32,8 @@ pub struct TransitHints {
     /// Spheres of up to [`QUIET_RADIUS`] with centres in this box may be shifted by [`QUIET`] and touch this cell
     /// only; inside out when there is none.
     quiet: QuietBox,
+    /// See [`TransitHints::only_floor`].
+    only_floor: Option<Lanes>,
     /// No polygon of the physics BSP enters this box; inside out when there is none.
     open: OpenSpace,
 }
@@ -79,6 +81,13 @@ impl TransitHints {
     pub fn certainly_clear(&self, center: Lanes, radius: f32) -> bool {
         // An overlap must be deeper than epsilon. A quarter of it is for bodies at rest, the rest for rounding.
         radius > LEAST_CLEAR_RADIUS && self.open.bounds.holds_cube(center, radius - 0.25 * EPSILON)
+    }
+
+    /// The plane, in the frame of the cell's landblock, of the only polygon that looks up, if there is only one: normal
+    /// z at least 0.05 in the cell's frame. Its `d` is in the fourth lane.
+    #[inline(always)]
+    pub fn only_floor(&self) -> Option<Lanes> {
+        self.only_floor
     }
 
     /// Whether no centre of a sphere that is certainly clear is in a leaf that is solid and has polygons.
@@ -268,8 +277,14 @@ fn hints_of(cell: &EnvCell, cells: &[Option<EnvCell>]) -> TransitHints {
         away_quads: PlaneQuads::new(&away, f32::NEG_INFINITY),
         away,
         planes: PlaneQuads::new(&planes, f32::INFINITY),
+        only_floor: only_floor_of(cell),
         open: open_space_of(cell),
     }
+}
+
+fn only_floor_of(cell: &EnvCell) -> Option<Lanes> {
+    let face = cell.structure.physics.as_ref()?.only_face_up()?;
+    Some(cell.frame.plane_out(&face.plane))
 }
 
 /// The open space of the cell's physics BSP, or a part of it that is square to the landblock.
