@@ -8,7 +8,7 @@
 
 use glam::Vec3;
 use vestibule_world::{
-    CellEntry, CellId, CylSphere, EnvCell, Frame, Landblock, Lanes, PhysicsBsp, Position, ShadowLists,
+    CellArray, CellEntry, CellId, CylSphere, EnvCell, Frame, Landblock, Lanes, PhysicsBsp, Position, ShadowLists,
     Sphere, StaticObject, StaticReach, TransitHints, World, certain_rooms,
 };
 
@@ -20,7 +20,7 @@ use crate::cylsphere::overlaps_cylinder;
 use crate::flags::{ObjectState, PhysicsState};
 use crate::math::normalised;
 use crate::plain_land::plain_step_on_land;
-use crate::plain_walls::{Near, Slide};
+use crate::plain_walls::{Known, Slide};
 use crate::polygon;
 use crate::population::Population;
 use crate::sphere::overlaps_sphere;
@@ -82,6 +82,14 @@ impl Candidate {
         self.origin += v;
         self.spheres[0] += v;
         self.spheres[1] += v;
+    }
+
+    /// Whether another pose is the same to the bit.
+    #[inline(always)]
+    pub(crate) fn has_bits_of(&self, other: &Candidate) -> bool {
+        self.origin.has_bits_of(other.origin)
+            && self.spheres[0].has_bits_of(other.spheres[0])
+            && self.spheres[1].has_bits_of(other.spheres[1])
     }
 
     /// Its spheres.
@@ -484,56 +492,76 @@ impl PlainStep<'_> {
     #[inline(always)]
     fn in_rooms(&self, scratch: &mut Scratch, built: &mut BuiltArray) -> Option<PlainEnd> {
         let cell = self.block.env_cell(self.from.cell)?;
-        let to_cells = self.certain_rooms(cell, scratch);
-        let end = self.in_certain_rooms(cell, to_cells, scratch);
+        let to_cells = self.certain_rooms(cell, &self.candidate, &mut scratch.cell_array);
+        let mut known = Known {
+            cells_at: self.candidate,
+            to_cells,
+            objects_at: self.candidate,
+            to_objects: 0.0,
+        };
+        let end = self.in_certain_rooms(cell, &mut known, &mut scratch.cell_array);
         if end.is_none() {
-            *built = BuiltArray::certain(cell.id, self.candidate.spheres, to_cells, &scratch.cell_array);
+            *built = BuiltArray::certain(cell.id, known.cells_at.spheres, known.to_cells, &scratch.cell_array);
         }
         end
     }
 
     #[inline(always)]
-    fn in_certain_rooms(&self, cell: &EnvCell, to_cells: f32, scratch: &Scratch) -> Option<PlainEnd> {
-        if !(to_cells > 0.0) || cell.restriction.is_some() {
+    fn in_certain_rooms(&self, cell: &EnvCell, known: &mut Known, array: &mut CellArray) -> Option<PlainEnd> {
+        if !(known.to_cells > 0.0) || cell.restriction.is_some() {
             return None;
         }
-        let others = scratch.cell_array.entries().get(1..)?;
+        if !self.candidate.is_clear(&self.shape, cell) {
+            return self.beside_walls(cell, known, array);
+        }
         let mut objects = self.objects_around(cell.id, &self.candidate, false)?;
-        let mut clear = self.candidate.is_clear(&self.shape, cell);
-        for entry in others {
+        for entry in array.entries().get(1..)? {
             let other = self.block.env_cell(entry.id)?;
             if other.restriction.is_some() {
                 return None;
             }
-            clear = clear && self.candidate.is_clear(&self.shape, other);
+            if !self.candidate.is_clear(&self.shape, other) {
+                return self.beside_walls(cell, known, array);
+            }
             let d = self.objects_around(other.id, &self.candidate, false)?;
             objects = if d < objects { d } else { objects };
         }
-        let (mut pose, mut hit) = (self.candidate, None);
-        if !clear {
-            let near = Near {
-                cell,
-                others,
-                distance: if to_cells < objects { to_cells } else { objects },
-            };
-            match self.slide_along_walls(&near)? {
-                Slide::To(at, n) => (pose, hit) = (at, Some(n)),
-                Slide::Stopped(n) => return self.stop(n, to_cells),
-            }
+        known.to_objects = objects;
+        self.come_to_rest(cell, &self.candidate, known, array, None)
+    }
+
+    /// As [`PlainStep::in_certain_rooms`], not clear of walls.
+    #[inline(never)]
+    fn beside_walls(&self, cell: &EnvCell, known: &mut Known, array: &mut CellArray) -> Option<PlainEnd> {
+        match self.slide_along_walls(cell, known, array)? {
+            Slide::To(at, n) => self.come_to_rest(cell, &at, known, array, Some(n)),
+            Slide::Stopped(n) => self.stop(cell, n, known, array),
         }
-        // The ground below (5.6).
+    }
+
+    /// Looks for the ground below a pose that nothing is in the way of (5.6).
+    #[inline(always)]
+    fn come_to_rest(
+        &self,
+        cell: &EnvCell,
+        pose: &Candidate,
+        known: &Known,
+        array: &CellArray,
+        hit: Option<Vec3>,
+    ) -> Option<PlainEnd> {
+        let others = array.entries().get(1..)?;
         let h = self.search_depth();
-        let mut lowered = pose;
+        let mut lowered = *pose;
         lowered.shift(down(h));
         let supported = self.mover.state.has(ObjectState::EDGE_SLIDE);
         let floor = find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported)?;
-        if !self.candidate.is_within(&lowered, to_cells)
+        if !known.cells_at.is_within(&lowered, known.to_cells)
             || !lowered.rests_beside(&self.shape, self.block, others)
         {
             return None;
         }
-        if !self.candidate.is_within(&lowered, objects) {
-            let mut all = scratch.cell_array.entries().iter();
+        if !known.objects_at.is_within(&lowered, known.to_objects) {
+            let mut all = array.entries().iter();
             if !all.all(|entry| self.objects_around(entry.id, &lowered, true).is_some()) {
                 return None;
             }
@@ -543,18 +571,15 @@ impl PlainStep<'_> {
 
     /// Fills the cell array; see [`certain_rooms`].
     #[inline(always)]
-    fn certain_rooms(&self, cell: &EnvCell, scratch: &mut Scratch) -> f32 {
-        let quiet = |i: usize| {
-            cell.hints
-                .is_quiet(self.candidate.spheres[i], self.shape.arms[i].fourth())
-        };
+    pub(crate) fn certain_rooms(&self, cell: &EnvCell, pose: &Candidate, array: &mut CellArray) -> f32 {
+        let quiet = |i: usize| cell.hints.is_quiet(pose.spheres[i], self.shape.arms[i].fourth());
         if quiet(0) && (!self.shape.two || quiet(1)) {
-            scratch.cell_array.start(cell.id, true);
+            array.start(cell.id, true);
             return TransitHints::QUIET_SHIFT;
         }
-        let spheres = self.candidate.spheres();
+        let spheres = pose.spheres();
         let spheres = spheres.get(..self.shape.count()).unwrap_or(&spheres);
-        certain_rooms(self.block, cell, spheres, &mut scratch.cell_array)
+        certain_rooms(self.block, cell, spheres, array)
     }
 
     /// How far a pose may be shifted before it comes near an object, metres: zero when it is near some but clears

@@ -3,7 +3,7 @@
 //! [`crate::plain_step`].
 
 use glam::Vec3;
-use vestibule_world::{CellEntry, EnvCell, Face, Lanes};
+use vestibule_world::{CellArray, EnvCell, Face, Lanes};
 
 use crate::bsp_tree;
 use crate::collision_info::collision_normal;
@@ -11,12 +11,31 @@ use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS};
 use crate::object_info::is_walkable_z;
 use crate::plain_step::{Candidate, PlainEnd, PlainStep, local_center, search_below};
 
-/// What a candidate is near, and how far it may be shifted without being near anything else.
-pub(crate) struct Near<'a> {
-    pub(crate) cell: &'a EnvCell,
-    pub(crate) others: &'a [CellEntry],
-    /// Metres.
-    pub(crate) distance: f32,
+/// What is known of the surroundings of candidates.
+#[derive(Clone, Copy)]
+pub(crate) struct Known {
+    /// The cell array is that of this candidate.
+    pub(crate) cells_at: Candidate,
+    /// How far it may be shifted without changing the array, metres.
+    pub(crate) to_cells: f32,
+    /// This candidate touches no object.
+    pub(crate) objects_at: Candidate,
+    /// How far it may be shifted without coming near one, metres.
+    pub(crate) to_objects: f32,
+}
+
+impl Known {
+    /// Makes sure that the cell array is that of a pose; `false` when none is certain.
+    #[inline(always)]
+    fn cells_of(&mut self, step: &PlainStep<'_>, own: &EnvCell, at: &Candidate, array: &mut CellArray) -> bool {
+        if !self.cells_at.is_within(at, self.to_cells) {
+            self.cells_at = *at;
+            self.to_cells = step.certain_rooms(own, at, array);
+            // What is near other cells is not known.
+            self.to_objects = 0.0;
+        }
+        self.to_cells > 0.0
+    }
 }
 
 /// Where walls leave a candidate.
@@ -43,7 +62,9 @@ struct NegPolyHit {
 /// A candidate among walls.
 struct AmongWalls<'a, 's> {
     step: &'a PlainStep<'s>,
-    near: &'a Near<'a>,
+    cell: &'a EnvCell,
+    known: &'a mut Known,
+    array: &'a mut CellArray,
     pose: Candidate,
     neg_poly_hit: Option<NegPolyHit>,
     /// What was run into last.
@@ -51,12 +72,19 @@ struct AmongWalls<'a, 's> {
 }
 
 impl PlainStep<'_> {
-    /// Inserts the candidate, which is not clear of walls. `None` where that is not usual.
+    /// Inserts the candidate, which is not clear of walls. `None` where that is not usual. `known` is kept up.
     #[inline(never)]
-    pub(crate) fn slide_along_walls(&self, near: &Near<'_>) -> Option<Slide> {
+    pub(crate) fn slide_along_walls(
+        &self,
+        cell: &EnvCell,
+        known: &mut Known,
+        array: &mut CellArray,
+    ) -> Option<Slide> {
         let mut among = AmongWalls {
             step: self,
-            near,
+            cell,
+            known,
+            array,
             pose: self.candidate,
             neg_poly_hit: None,
             normal: Lanes::ZERO,
@@ -86,15 +114,21 @@ impl PlainStep<'_> {
         Some(Slide::Stopped(collision_normal(among.normal.xyz())))
     }
 
-    /// The sweep puts the mover back (5.11), standing on what it stood on. The cells are known as far as `to_cells` from
-    /// the candidate.
-    #[inline(always)]
-    pub(crate) fn stop(&self, hit: Vec3, to_cells: f32) -> Option<PlainEnd> {
+    /// The sweep puts the mover back (5.11), standing on what it stood on.
+    #[inline(never)]
+    pub(crate) fn stop(
+        &self,
+        cell: &EnvCell,
+        hit: Vec3,
+        known: &mut Known,
+        array: &mut CellArray,
+    ) -> Option<PlainEnd> {
         let at = Candidate::at(self.from.frame.origin.into(), &self.shape);
         let plane = Lanes::of_plane(&self.contact.plane);
         let radius = self.shape.arms[0].fourth();
         let stands = radius + EPSILON > plane.dist(at.spheres[0]).abs() && is_walkable_z(plane.z());
-        (stands && self.candidate.is_within(&at, to_cells)).then_some(PlainEnd {
+        let certain = stands && known.cells_of(self, cell, &at, array);
+        certain.then_some(PlainEnd {
             origin: at.origin,
             plane,
             plane_cell: self.contact.cell,
@@ -109,20 +143,44 @@ impl AmongWalls<'_, '_> {
     /// Whether what was done left the candidate where it was before: then the same would be done again.
     #[inline(always)]
     fn stays(&self, before: &Candidate) -> bool {
-        let same = |a: Lanes, b: Lanes| a.has_bits_of(b);
-        same(self.pose.origin, before.origin)
-            && same(self.pose.spheres[0], before.spheres[0])
-            && same(self.pose.spheres[1], before.spheres[1])
+        self.pose.has_bits_of(before)
+    }
+
+    /// Makes sure that the cell array is that of the pose.
+    #[inline(always)]
+    fn know_cells(&mut self) -> Option<()> {
+        let certain = self.known.cells_of(self.step, self.cell, &self.pose, self.array);
+        if certain { Some(()) } else { None }
+    }
+
+    /// Makes sure that the pose touches no object of any cell that it reaches.
+    #[inline(always)]
+    fn know_objects(&mut self) -> Option<()> {
+        if self.known.objects_at.is_within(&self.pose, self.known.to_objects) {
+            return Some(());
+        }
+        let mut least = f32::INFINITY;
+        for entry in self.array.entries() {
+            let d = self.step.objects_around(entry.id, &self.pose, false)?;
+            least = if d < least { d } else { least };
+        }
+        self.known.objects_at = self.pose;
+        self.known.to_objects = least;
+        Some(())
     }
 
     /// One attempt: the own room, several times, then the others (5.2, 5.3).
     #[inline(always)]
     fn insert(&mut self) -> Option<Answer> {
-        let own = self.near.cell;
+        let own = self.cell;
         for _ in 0..MOVE_ATTEMPTS {
             let before = self.pose;
             match self.find_collisions(own)? {
-                Answer::Ok => return self.insert_into_others(),
+                Answer::Ok => {
+                    self.know_cells()?;
+                    self.know_objects()?;
+                    return self.insert_into_others();
+                }
                 Answer::Collided => return Some(Answer::Collided),
                 Answer::Slid if self.stays(&before) => break,
                 Answer::Slid => {}
@@ -133,12 +191,17 @@ impl AmongWalls<'_, '_> {
 
     #[inline(always)]
     fn insert_into_others(&mut self) -> Option<Answer> {
-        for entry in self.near.others {
+        let mut i = 1;
+        while let Some(entry) = self.array.get(i) {
             let other = self.step.block.env_cell(entry.id)?;
+            if other.restriction.is_some() {
+                return None;
+            }
             match self.find_collisions(other)? {
                 Answer::Ok => {}
                 answer => return Some(answer),
             }
+            i += 1;
         }
         Some(Answer::Ok)
     }
@@ -147,9 +210,6 @@ impl AmongWalls<'_, '_> {
     fn find_collisions(&mut self, cell: &EnvCell) -> Option<Answer> {
         let step = self.step;
         let shape = &step.shape;
-        if !step.candidate.is_within(&self.pose, self.near.distance) {
-            return None;
-        }
         let bsp = cell.structure.physics.as_ref()?;
         if self.pose.is_in_the_open(shape, cell) {
             return Some(Answer::Ok);
@@ -193,14 +253,17 @@ impl AmongWalls<'_, '_> {
     /// may find some.
     #[inline(always)]
     fn step_up_in_vain(&mut self) -> Option<()> {
+        self.know_cells()?;
+        self.know_objects()?;
         let step = self.step;
         let h = step.mover.step_up_height;
         let finds_floor = |cell: &EnvCell| search_below(cell, &step.shape, &self.pose, h, FLOOR_Z).is_some();
-        if finds_floor(self.near.cell) {
+        if finds_floor(self.cell) {
             return None;
         }
-        for entry in self.near.others {
-            if finds_floor(step.block.env_cell(entry.id)?) {
+        for entry in self.array.entries().get(1..)? {
+            let other = step.block.env_cell(entry.id)?;
+            if other.restriction.is_some() || finds_floor(other) {
                 return None;
             }
         }

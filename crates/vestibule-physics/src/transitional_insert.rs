@@ -2,6 +2,7 @@
 
 use crate::constants::{DEFAULT_STEP_HEIGHT, FLOOR_Z, MAX_INSERTION_DEPTH, Z_FOR_LANDING};
 use crate::flags::ObjectState;
+use crate::plain_step::Candidate;
 use crate::sphere_path::{CellRef, Pose};
 use crate::transition::{InsertType, Transition, TransitionState};
 
@@ -23,6 +24,7 @@ impl<'w> Transition<'w, '_> {
     fn insert_attempts(&mut self, n: u32) -> TransitionState {
         let mut ts = TransitionState::Invalid;
         for _ in 0..n {
+            let (cell, before) = (self.path.check_pos.cell, self.path.candidate());
             ts = self.insert_into_cell(self.path.check_cell, n);
             match ts {
                 TransitionState::Ok => {
@@ -35,6 +37,9 @@ impl<'w> Transition<'w, '_> {
                 TransitionState::Slid => {
                     self.info.clear_contact_plane();
                     self.path.neg_poly_hit = None;
+                    if self.path.check_pos.cell == cell && self.would_do_the_same_again(&before) {
+                        return ts;
+                    }
                 }
                 _ => self.path.neg_poly_hit = None,
             }
@@ -82,14 +87,27 @@ impl<'w> Transition<'w, '_> {
         };
         let mut ts = TransitionState::Invalid;
         for _ in 0..n {
+            let before = self.path.candidate();
             ts = self.find_collisions_in_cell(cell);
             match ts {
                 TransitionState::Ok | TransitionState::Collided => return ts,
-                TransitionState::Slid => self.info.clear_contact_plane(),
+                TransitionState::Slid => {
+                    self.info.clear_contact_plane();
+                    if self.would_do_the_same_again(&before) {
+                        return ts;
+                    }
+                }
                 _ => {}
             }
         }
         ts
+    }
+
+    /// Whether an attempt that slid left the candidate where it was `before`: another would come to the same, as it
+    /// starts from the same.
+    #[inline(always)]
+    fn would_do_the_same_again(&self, before: &Candidate) -> bool {
+        self.path.candidate().has_bits_of(before) && !self.world.settings().exact
     }
 
     /// Tests the candidate against the other cells it reaches, and finds the cell that contains it (5.3).

@@ -145,9 +145,9 @@ impl Lanes {
     /// Whether the first three lanes have the same bits.
     #[inline(always)]
     pub fn has_bits_of(self, other: Lanes) -> bool {
-        let bits = |v: Lanes| v.0.to_array().map(f32::to_bits);
-        let ([a, b, c, _], [x, y, z, _]) = (bits(self), bits(other));
-        (a ^ x) | (b ^ y) | (c ^ z) == 0
+        let differ = self.0 ^ other.0;
+        let [a, b, c, _] = differ.to_array().map(f32::to_bits);
+        a | b | c == 0
     }
 
     /// Whether all four lanes are finite.
