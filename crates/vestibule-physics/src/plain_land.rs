@@ -1,17 +1,20 @@
 //! The usual step on terrain, worked out without a transition (`transition.md` 5.6, 5.8, 7.3); see
 //! [`crate::plain_step`].
 
-use vestibule_world::{LandCell, Lanes, Plane, Water, certain_land_cell};
+use vestibule_world::{Building, CellId, LandCell, Lanes, Plane, Sphere, Water, certain_land_cell};
 
 use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS, SHAPE_INTERP_LIMIT, STEP_DOWN_ATTEMPTS};
 use crate::object_info::is_walkable_z;
-use crate::plain_step::{Candidate, PlainEnd, PlainStep, down};
+use crate::plain_step::{Candidate, PlainEnd, PlainStep, Shape, distance_to_sphere, down};
 use crate::sweep::Scratch;
 use crate::transition::BuiltArray;
 
 /// A candidate over terrain.
 struct OverLand<'a> {
     cell: &'a LandCell,
+    /// The plane of the triangle below: the same for all of a step, which goes straight up and down from where that is
+    /// looked up.
+    plane: &'a Plane,
     pose: Candidate,
     low: Lanes,
     contact: Option<Plane>,
@@ -36,7 +39,7 @@ impl OverLand<'_> {
     /// left of the movement in a step down by `depth`.
     #[inline(always)]
     fn insert(&mut self, interp: Option<&mut f32>, depth: f32) -> Option<Answer> {
-        let plane = self.cell.find_terrain_poly(self.low.xyz())?.plane;
+        let plane = *self.plane;
         let water = if self.cell.water == Water::Not {
             0.0
         } else {
@@ -86,18 +89,19 @@ pub(crate) fn plain_step_on_land(
     let spheres = spheres.get(..step.shape.count()).unwrap_or(&spheres);
     let to_cells = certain_land_cell(step.world, block, id, cell, spheres, &mut scratch.cell_array);
     *built = BuiltArray::certain(id, step.candidate.spheres, to_cells, &scratch.cell_array);
-    if !(to_cells > 0.0) || cell.restriction.is_some() || cell.building.is_some() || drowned {
+    if !(to_cells > 0.0) || cell.restriction.is_some() || drowned {
         return None;
     }
     let mut over = OverLand {
         cell,
+        plane: &cell.find_terrain_poly(step.low.xyz())?.plane,
         pose: step.candidate,
         low: step.low,
         contact: None,
     };
     settle(&mut over, MOVE_ATTEMPTS, None, 0.0)?;
     let moved = over.pose;
-    let objects = step.objects_around(id, &moved, false)?;
+    let objects = step.objects_on_land(id, cell, &moved, false)?;
     if !step.candidate.is_within(&moved, to_cells) {
         return None;
     }
@@ -107,7 +111,8 @@ pub(crate) fn plain_step_on_land(
         over.shift(down(h));
         settle(&mut over, STEP_DOWN_ATTEMPTS, Some(1.0), h)?;
         if !step.candidate.is_within(&over.pose, to_cells)
-            || !step.clears_objects(id, (&moved, objects), &over.pose)
+            || !(moved.is_within(&over.pose, objects)
+                || step.objects_on_land(id, cell, &over.pose, true).is_some())
             || over.contact?.normal.z < FLOOR_Z
         {
             return None;
@@ -119,6 +124,43 @@ pub(crate) fn plain_step_on_land(
     }
     let plane = Lanes::of_plane(&over.contact?);
     step.end(&over.pose, plane, cell.water != Water::Not, None)
+}
+
+impl PlainStep<'_> {
+    /// As [`PlainStep::objects_around`], the land cell's building among them.
+    #[inline(always)]
+    fn objects_on_land(&self, id: CellId, cell: &LandCell, pose: &Candidate, placing: bool) -> Option<f32> {
+        let objects = self.objects_around(id, pose, placing)?;
+        let Some(index) = cell.building else {
+            return Some(objects);
+        };
+        let building = self.block.buildings.get(usize::from(index))?;
+        let shell = shell_around(building, &self.shape, pose, placing)?;
+        Some(if shell < objects { shell } else { objects })
+    }
+}
+
+/// How far a pose may be shifted before it comes near a building's shell; see [`PlainStep::objects_around`].
+#[inline(never)]
+fn shell_around(building: &Building, shape: &Shape, pose: &Candidate, placing: bool) -> Option<f32> {
+    /// Spheres that graze each other overlap (6.1), metres.
+    const SLACK: f32 = 0.01;
+    let (Some(part), Some(frame)) = (building.shape.parts.first(), building.part_frames.first()) else {
+        return Some(f32::INFINITY);
+    };
+    let model = part.model.as_ref();
+    let Some((bsp, bound)) = model.and_then(|m| Some((m.physics.as_ref()?, m.physics_sphere?))) else {
+        return Some(f32::INFINITY);
+    };
+    if part.scale.z != 1.0 {
+        return None;
+    }
+    let around = Sphere::new(frame.local_to_global(bound.center), bound.radius + SLACK);
+    let distance = distance_to_sphere(&around, 1.0, shape, pose);
+    if distance > 0.0 {
+        return Some(distance);
+    }
+    pose.clears_part(shape, frame, bsp, &bound, placing).then_some(0.0)
 }
 
 /// Inserts until terrain is satisfied.

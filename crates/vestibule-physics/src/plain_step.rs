@@ -9,7 +9,7 @@
 use glam::Vec3;
 use vestibule_world::{
     CellArray, CellEntry, CellId, CylSphere, EnvCell, Frame, Landblock, Lanes, PhysicsBsp, Position, ShadowLists,
-    Sphere, StaticObject, StaticReach, TransitHints, World, certain_rooms,
+    Sphere, StaticObject, TransitHints, World, certain_rooms,
 };
 
 use crate::adjust_offset::along_planes;
@@ -112,7 +112,7 @@ impl Candidate {
     }
 
     /// Whether an insertion finds nothing of a part of a static object.
-    fn clears_part(&self, shape: &Shape, frame: &Frame, bsp: &PhysicsBsp, bound: &Sphere, placing: bool) -> bool {
+    pub(crate) fn clears_part(&self, shape: &Shape, frame: &Frame, bsp: &PhysicsBsp, bound: &Sphere, placing: bool) -> bool {
         let local = [self.local(shape, frame, 0), self.local(shape, frame, 1)];
         let local = local.get(..shape.count()).unwrap_or(&local);
         let reached = local
@@ -254,18 +254,19 @@ pub(crate) fn find_open_floor(
 /// How far a candidate may be shifted before one of its spheres comes near a static object of a cell, metres.
 #[inline(always)]
 pub(crate) fn distance_to_statics(lists: &ShadowLists, cell: CellId, shape: &Shape, pose: &Candidate) -> f32 {
-    let larger = shape.larger_radius();
     let mut least = f32::INFINITY;
     for (_, reach) in lists.with_reaches(cell) {
-        let d = distance_to_reach(reach, larger, shape, pose);
+        let d = distance_to_sphere(&reach.sphere, reach.stretch, shape, pose);
         least = if d < least { d } else { least };
     }
     least
 }
 
+/// How far a candidate may be shifted before one of its spheres comes near another sphere, metres: nearer than that
+/// one's radius and its own, `stretch` times.
 #[inline(always)]
-fn distance_to_reach(reach: &StaticReach, larger: f32, shape: &Shape, pose: &Candidate) -> f32 {
-    let center = Lanes::from(reach.sphere);
+pub(crate) fn distance_to_sphere(around: &Sphere, stretch: f32, shape: &Shape, pose: &Candidate) -> f32 {
+    let center = Lanes::from(*around);
     let squared = |s: Lanes| {
         let between = s - center;
         between.dot(between)
@@ -275,7 +276,7 @@ fn distance_to_reach(reach: &StaticReach, larger: f32, shape: &Shape, pose: &Can
         let head = squared(pose.spheres[1]);
         nearest = if head < nearest { head } else { nearest };
     }
-    nearest.sqrt() - (reach.sphere.radius + reach.stretch * larger)
+    nearest.sqrt() - (around.radius + stretch * shape.larger_radius())
 }
 
 /// Where a usual step ends: in the cell it began in, on walkable ground.
@@ -447,9 +448,8 @@ fn clears_statics(
     pose: &Candidate,
     placing: bool,
 ) -> bool {
-    let larger = shape.larger_radius();
     lists.with_reaches(cell).all(|(r, reach)| {
-        if distance_to_reach(reach, larger, shape, pose) > 0.0 {
+        if distance_to_sphere(&reach.sphere, reach.stretch, shape, pose) > 0.0 {
             return true;
         }
         let Some(object) = world.static_object(r) else {
@@ -595,12 +595,6 @@ impl PlainStep<'_> {
         }
         let (shape, pose) = (self.shape, *pose);
         statics_around(self.world, lists, cell, &shape, &pose, placing)
-    }
-
-    /// Whether a placement insertion at `to` finds no object, given what [`PlainStep::objects_around`] said of `from`.
-    #[inline(always)]
-    pub(crate) fn clears_objects(&self, cell: CellId, from: (&Candidate, f32), to: &Candidate) -> bool {
-        from.0.is_within(to, from.1) || self.objects_around(cell, to, true).is_some()
     }
 
     /// How far down ground is looked for at first, metres (5.6).

@@ -13,9 +13,9 @@ use crate::plane_quads::PlaneQuads;
 
 /// How far a hint stays away from the exact answer, metres: many times the rounding of coordinates up to
 /// [`MAX_COORDINATE`].
-const SLACK: f32 = 0.02;
+const SLACK: f32 = 0.004;
 /// Beyond this, f32 is too coarse for the slack, metres.
-const MAX_COORDINATE: f32 = 4096.0;
+const MAX_COORDINATE: f32 = 1024.0;
 
 /// Hints of an env cell, in the frame of its landblock.
 #[derive(Clone, Debug, PartialEq, Default)]
