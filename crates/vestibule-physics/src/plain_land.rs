@@ -5,9 +5,9 @@ use vestibule_world::{Building, CellId, LandCell, Lanes, Plane, Sphere, Water, c
 
 use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS, SHAPE_INTERP_LIMIT, STEP_DOWN_ATTEMPTS};
 use crate::object_info::is_walkable_z;
+use crate::plain_walls::Known;
 use crate::plain_step::{Candidate, PlainEnd, PlainStep, Shape, distance_to_sphere, down};
 use crate::sweep::Scratch;
-use crate::transition::BuiltArray;
 
 /// A candidate over terrain.
 struct OverLand<'a> {
@@ -77,7 +77,7 @@ impl OverLand<'_> {
 pub(crate) fn plain_step_on_land(
     step: &PlainStep<'_>,
     scratch: &mut Scratch,
-    built: &mut BuiltArray,
+    found: &mut Option<Known>,
 ) -> Option<PlainEnd> {
     let (id, block) = (step.from.cell, step.block);
     let cell = block.land_cell(id)?;
@@ -88,45 +88,54 @@ pub(crate) fn plain_step_on_land(
     let spheres = step.candidate.spheres();
     let spheres = spheres.get(..step.shape.count()).unwrap_or(&spheres);
     let to_cells = certain_land_cell(step.world, block, id, cell, spheres, &mut scratch.cell_array);
-    *built = BuiltArray::certain(id, step.candidate.spheres, to_cells, &scratch.cell_array);
-    if !(to_cells > 0.0) || cell.restriction.is_some() || drowned {
-        return None;
+    let end = step.on_certain_land(id, cell, to_cells, drowned);
+    if end.is_none() {
+        *found = Some(Known::cells(&step.candidate, to_cells));
     }
-    let mut over = OverLand {
-        cell,
-        plane: &cell.find_terrain_poly(step.low.xyz())?.plane,
-        pose: step.candidate,
-        low: step.low,
-        contact: None,
-    };
-    settle(&mut over, MOVE_ATTEMPTS, None, 0.0)?;
-    let moved = over.pose;
-    let objects = step.objects_on_land(id, cell, &moved, false)?;
-    if !step.candidate.is_within(&moved, to_cells) {
-        return None;
-    }
-    if over.contact.is_none() {
-        // The ground below (5.6).
-        let h = step.search_depth();
-        over.shift(down(h));
-        settle(&mut over, STEP_DOWN_ATTEMPTS, Some(1.0), h)?;
-        if !step.candidate.is_within(&over.pose, to_cells)
-            || !(moved.is_within(&over.pose, objects)
-                || step.objects_on_land(id, cell, &over.pose, true).is_some())
-            || over.contact?.normal.z < FLOOR_Z
-        {
-            return None;
-        }
-        // It must be possible to be placed there.
-        let Answer::Ok = over.insert(None, 0.0)? else {
-            return None;
-        };
-    }
-    let plane = Lanes::of_plane(&over.contact?);
-    step.end(&over.pose, plane, cell.water != Water::Not, None)
+    end
 }
 
 impl PlainStep<'_> {
+    /// On a land cell that is the only one touched, also up to `to_cells` from the candidate.
+    #[inline(always)]
+    fn on_certain_land(&self, id: CellId, cell: &LandCell, to_cells: f32, drowned: bool) -> Option<PlainEnd> {
+        if !(to_cells > 0.0) || cell.restriction.is_some() || drowned {
+            return None;
+        }
+        let mut over = OverLand {
+            cell,
+            plane: &cell.find_terrain_poly(self.low.xyz())?.plane,
+            pose: self.candidate,
+            low: self.low,
+            contact: None,
+        };
+        settle(&mut over, MOVE_ATTEMPTS, None, 0.0)?;
+        let moved = over.pose;
+        let objects = self.objects_on_land(id, cell, &moved, false)?;
+        if !self.candidate.is_within(&moved, to_cells) {
+            return None;
+        }
+        if over.contact.is_none() {
+            // The ground below (5.6).
+            let h = self.search_depth();
+            over.shift(down(h));
+            settle(&mut over, STEP_DOWN_ATTEMPTS, Some(1.0), h)?;
+            if !self.candidate.is_within(&over.pose, to_cells)
+                || !(moved.is_within(&over.pose, objects)
+                    || self.objects_on_land(id, cell, &over.pose, true).is_some())
+                || over.contact?.normal.z < FLOOR_Z
+            {
+                return None;
+            }
+            // It must be possible to be placed there.
+            let Answer::Ok = over.insert(None, 0.0)? else {
+                return None;
+            };
+        }
+        let plane = Lanes::of_plane(&over.contact?);
+        self.end(&over.pose, plane, cell.water != Water::Not, None)
+    }
+
     /// As [`PlainStep::objects_around`], the land cell's building among them.
     #[inline(always)]
     fn objects_on_land(&self, id: CellId, cell: &LandCell, pose: &Candidate, placing: bool) -> Option<f32> {

@@ -26,7 +26,6 @@ use crate::population::Population;
 use crate::sphere::overlaps_sphere;
 use crate::sphere_path::Arms;
 use crate::sweep::{Carried, ContactPlane, Mover, Scratch, Swept};
-use crate::transition::BuiltArray;
 
 /// A floor found below a candidate.
 pub(crate) struct OpenFloor {
@@ -127,7 +126,7 @@ impl Candidate {
     /// Whether a moving insertion into the cell finds nothing.
     #[inline(always)]
     pub(crate) fn is_clear(&self, shape: &Shape, cell: &EnvCell) -> bool {
-        self.is_in_the_open(shape, cell) || overlaps_nothing(shape, self.origin, cell)
+        self.is_in_the_open(shape, cell) || overlaps_nothing(*shape, self.origin, cell)
     }
 
     /// Whether the cell's box of open space holds all spheres.
@@ -142,7 +141,7 @@ impl Candidate {
     #[inline(always)]
     pub(crate) fn rests_in(&self, shape: &Shape, cell: &EnvCell) -> bool {
         (cell.hints.open_is_hollow() && self.is_in_the_open(shape, cell))
-            || touches_nothing_solid(shape, self.origin, cell)
+            || touches_nothing_solid(*shape, self.origin, cell)
     }
 
     /// As [`Candidate::rests_in`] for other cells that the candidate reaches, none of which keeps anyone out.
@@ -171,21 +170,22 @@ fn local_sphere(origin: Lanes, shape: &Shape, frame: &Frame, i: usize) -> Lanes 
     local_center(origin, shape, frame, i).with_fourth(shape.arms[i].fourth())
 }
 
+// By value, here and below: what is behind a reference is not kept in registers.
 #[inline(never)]
-fn overlaps_nothing(shape: &Shape, origin: Lanes, cell: &EnvCell) -> bool {
+fn overlaps_nothing(shape: Shape, origin: Lanes, cell: &EnvCell) -> bool {
     let Some(bsp) = &cell.structure.physics else {
         return true;
     };
-    let local = |i| local_sphere(origin, shape, &cell.frame, i);
+    let local = |i| local_sphere(origin, &shape, &cell.frame, i);
     bsp_tree::overlaps_nothing(bsp, local(0)) && (!shape.two || bsp_tree::overlaps_nothing(bsp, local(1)))
 }
 
 #[inline(never)]
-fn touches_nothing_solid(shape: &Shape, origin: Lanes, cell: &EnvCell) -> bool {
+fn touches_nothing_solid(shape: Shape, origin: Lanes, cell: &EnvCell) -> bool {
     let Some(bsp) = &cell.structure.physics else {
         return true;
     };
-    let solid = |i| bsp_tree::sphere_intersects_solid(bsp, local_sphere(origin, shape, &cell.frame, i), true);
+    let solid = |i| bsp_tree::sphere_intersects_solid(bsp, local_sphere(origin, &shape, &cell.frame, i), true);
     !solid(0) && (!shape.two || !solid(1))
 }
 
@@ -319,6 +319,7 @@ impl PlainEnd {
 }
 
 /// What a usual step starts from.
+#[derive(Clone, Copy)]
 pub(crate) struct PlainStep<'a> {
     pub(crate) world: &'a World,
     pub(crate) population: &'a Population,
@@ -333,7 +334,7 @@ pub(crate) struct PlainStep<'a> {
     pub(crate) low: Lanes,
 }
 
-/// A sweep of one step by `offset` from `from`, if it is a usual one. `to` says how the mover ends up turned. `built`
+/// A sweep of one step by `offset` from `from`, if it is a usual one. `to` says how the mover ends up turned. `found`
 /// takes what was found out about the candidate's cells, for the longer way.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "those of a sweep")]
@@ -346,7 +347,7 @@ pub(crate) fn plain_step(
     from: &Position,
     to: &Position,
     offset: Lanes,
-    built: &mut BuiltArray,
+    found: &mut Option<Known>,
 ) -> Option<PlainEnd> {
     let contact = carried.contact.as_ref()?;
     let rotation = Lanes::of_rotation(from.frame.rotation());
@@ -361,6 +362,8 @@ pub(crate) fn plain_step(
     if unusual {
         return None;
     }
+    // A call: before there is anything to be kept over it.
+    let block = world.block(from.cell.block())?;
     let arms = Arms::of(&from.frame, &mover.spheres);
     let shape = Shape {
         arms: arms.center,
@@ -402,15 +405,15 @@ pub(crate) fn plain_step(
         mover,
         from,
         contact,
-        block: world.block(from.cell.block())?,
+        block,
         shape,
         candidate: pose,
         low: low + v,
     };
     if from.cell.is_indoor() {
-        step.in_rooms(scratch, built)
+        step.in_rooms(scratch, found)
     } else {
-        plain_step_on_land(&step, scratch, built)
+        plain_step_on_land(&step, scratch, found)
     }
 }
 
@@ -490,18 +493,13 @@ fn clears_object(object: &StaticObject, mover: &Shape, pose: &Candidate, placing
 impl PlainStep<'_> {
     /// In a room, and maybe partly in others of the landblock.
     #[inline(always)]
-    fn in_rooms(&self, scratch: &mut Scratch, built: &mut BuiltArray) -> Option<PlainEnd> {
+    fn in_rooms(&self, scratch: &mut Scratch, found: &mut Option<Known>) -> Option<PlainEnd> {
         let cell = self.block.env_cell(self.from.cell)?;
         let to_cells = self.certain_rooms(cell, &self.candidate, &mut scratch.cell_array);
-        let mut known = Known {
-            cells_at: self.candidate,
-            to_cells,
-            objects_at: self.candidate,
-            to_objects: 0.0,
-        };
+        let mut known = Known::cells(&self.candidate, to_cells);
         let end = self.in_certain_rooms(cell, &mut known, &mut scratch.cell_array);
         if end.is_none() {
-            *built = BuiltArray::certain(cell.id, known.cells_at.spheres, known.to_cells, &scratch.cell_array);
+            *found = Some(known);
         }
         end
     }
@@ -512,7 +510,7 @@ impl PlainStep<'_> {
             return None;
         }
         if !self.candidate.is_clear(&self.shape, cell) {
-            return self.beside_walls(cell, known, array);
+            return self.call_beside_walls(cell, known, array);
         }
         let mut objects = self.objects_around(cell.id, &self.candidate, false)?;
         for entry in array.entries().get(1..)? {
@@ -521,13 +519,26 @@ impl PlainStep<'_> {
                 return None;
             }
             if !self.candidate.is_clear(&self.shape, other) {
-                return self.beside_walls(cell, known, array);
+                return self.call_beside_walls(cell, known, array);
             }
             let d = self.objects_around(other.id, &self.candidate, false)?;
             objects = if d < objects { d } else { objects };
         }
         known.to_objects = objects;
         self.come_to_rest(cell, &self.candidate, known, array, None)
+    }
+
+    #[inline(always)]
+    fn call_beside_walls(
+        &self,
+        cell: &EnvCell,
+        known: &mut Known,
+        array: &mut CellArray,
+    ) -> Option<PlainEnd> {
+        let (step, mut now) = (*self, *known);
+        let end = step.beside_walls(cell, &mut now, array);
+        *known = now;
+        end
     }
 
     /// As [`PlainStep::in_certain_rooms`], not clear of walls.

@@ -25,6 +25,17 @@ pub(crate) struct Known {
 }
 
 impl Known {
+    /// The cells of a candidate, nothing of objects.
+    #[inline(always)]
+    pub(crate) fn cells(at: &Candidate, to_cells: f32) -> Self {
+        Known {
+            cells_at: *at,
+            to_cells,
+            objects_at: *at,
+            to_objects: 0.0,
+        }
+    }
+
     /// Makes sure that the cell array is that of a pose; `false` when none is certain.
     #[inline(always)]
     fn cells_of(&mut self, step: &PlainStep<'_>, own: &EnvCell, at: &Candidate, array: &mut CellArray) -> bool {
