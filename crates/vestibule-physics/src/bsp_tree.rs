@@ -69,12 +69,6 @@ pub(crate) fn sphere_intersects_poly<'b>(
     !bsp.certainly_clear(s) && finds_poly(bsp, s, movement, named)
 }
 
-/// Whether the sphere overlaps no polygon, moved into or not.
-#[inline(always)]
-pub(crate) fn overlaps_nothing(bsp: &PhysicsBsp, s: Lanes) -> bool {
-    !sphere_intersects_solid(bsp, s, false)
-}
-
 #[inline(never)]
 fn finds_poly<'b>(
     bsp: &'b PhysicsBsp,
@@ -459,9 +453,32 @@ fn finds_solid(bsp: &PhysicsBsp, s: Lanes, center_check: bool) -> bool {
     match sure {
         Some(true) => true,
         Some(false) if !hit => {
-            center_check && !bsp.is_certainly_hollow_at(s) && center_is_solid(bsp, &s.into())
+            center_check && !bsp.is_certainly_hollow_around(s, 0.0) && center_is_solid(bsp, &s.into())
         }
         _ => solid(bsp, bsp.root, &s.into(), center_check),
+    }
+}
+
+/// How far the sphere may be shifted and certainly overlaps no polygon, its centre in nothing solid, metres. Zero:
+/// it overlaps none where it is, and more is not known. Below zero: it overlaps some.
+#[inline(always)]
+pub(crate) fn clearance(bsp: &PhysicsBsp, s: Lanes) -> f32 {
+    /// Farther than a body is lifted that stood before.
+    const REACH: f32 = 0.01;
+    if bsp.certainly_clear(s) {
+        return 0.0;
+    }
+    match bsp.clearance(s) {
+        Some(d) if bsp.is_certainly_hollow_around(s, REACH) => {
+            if d < REACH {
+                d
+            } else {
+                REACH
+            }
+        }
+        Some(_) => 0.0,
+        None if finds_solid(bsp, s, false) => -1.0,
+        None => 0.0,
     }
 }
 

@@ -123,10 +123,15 @@ impl Candidate {
                 .all(|&s| !bsp_tree::sphere_intersects_solid(bsp, s, placing))
     }
 
-    /// Whether a moving insertion into the cell finds nothing.
+    /// How far it may be shifted and neither a moving nor a placement insertion into the cell finds anything, metres.
+    /// Zero: a moving one finds nothing where it is. Below zero: it finds something.
     #[inline(always)]
-    pub(crate) fn is_clear(&self, shape: &Shape, cell: &EnvCell) -> bool {
-        self.is_in_the_open(shape, cell) || overlaps_nothing(*shape, self.origin, cell)
+    fn clearance(&self, shape: &Shape, cell: &EnvCell) -> f32 {
+        if self.is_in_the_open(shape, cell) {
+            0.0
+        } else {
+            clearance(*shape, self.origin, cell)
+        }
     }
 
     /// Whether the cell's box of open space holds all spheres.
@@ -172,12 +177,21 @@ fn local_sphere(origin: Lanes, shape: &Shape, frame: &Frame, i: usize) -> Lanes 
 
 // By value, here and below: what is behind a reference is not kept in registers.
 #[inline(never)]
-fn overlaps_nothing(shape: Shape, origin: Lanes, cell: &EnvCell) -> bool {
+fn clearance(shape: Shape, origin: Lanes, cell: &EnvCell) -> f32 {
     let Some(bsp) = &cell.structure.physics else {
-        return true;
+        return f32::INFINITY;
     };
-    let local = |i| local_sphere(origin, &shape, &cell.frame, i);
-    bsp_tree::overlaps_nothing(bsp, local(0)) && (!shape.two || bsp_tree::overlaps_nothing(bsp, local(1)))
+    let clearance = |i| bsp_tree::clearance(bsp, local_sphere(origin, &shape, &cell.frame, i));
+    let mut least = clearance(0);
+    if shape.two && least >= 0.0 {
+        let head = clearance(1);
+        least = if head < least { head } else { least };
+    }
+    if cell.hints.keeps_lengths() || least < 0.0 {
+        least * 0.99
+    } else {
+        0.0
+    }
 }
 
 #[inline(never)]
@@ -213,7 +227,8 @@ pub(crate) fn search_below<'b>(
 
 /// How a step down by `h` ends when it finds a floor of the cell and nothing of the cell is in the way of the
 /// candidate lifted onto it (5.8). `lowered` has been lowered and is lifted; `supported`: the floor must support the
-/// foot sphere. Whether the lifted candidate reaches other cells or objects is for the caller to see.
+/// foot sphere, and `rests` says whether the cell has room for the lifted candidate, as [`Candidate::rests_in`] does.
+/// Whether that reaches other cells or objects is for the caller to see.
 #[inline(always)]
 pub(crate) fn find_open_floor(
     cell: &EnvCell,
@@ -222,6 +237,7 @@ pub(crate) fn find_open_floor(
     h: f32,
     z: f32,
     supported: bool,
+    rests: impl FnOnce(&Candidate) -> bool,
 ) -> Option<OpenFloor> {
     let frame = &cell.frame;
     let (bsp, floor, local) = search_below(cell, shape, lowered, h, z)?;
@@ -241,7 +257,7 @@ pub(crate) fn find_open_floor(
     }
     let offset = frame.turned_out(floor.sphere - local);
     lowered.shift(offset);
-    if !lowered.rests_in(shape, cell) {
+    if !rests(lowered) {
         return None;
     }
     Some(OpenFloor {
@@ -254,12 +270,8 @@ pub(crate) fn find_open_floor(
 /// How far a candidate may be shifted before one of its spheres comes near a static object of a cell, metres.
 #[inline(always)]
 pub(crate) fn distance_to_statics(lists: &ShadowLists, cell: CellId, shape: &Shape, pose: &Candidate) -> f32 {
-    let mut least = f32::INFINITY;
-    for (_, reach) in lists.with_reaches(cell) {
-        let d = distance_to_sphere(&reach.sphere, reach.stretch, shape, pose);
-        least = if d < least { d } else { least };
-    }
-    least
+    let [foot, head] = pose.spheres.map(Lanes::xyz);
+    lists.distance(cell, foot, shape.two.then_some(head), shape.larger_radius())
 }
 
 /// How far a candidate may be shifted before one of its spheres comes near another sphere, metres: nearer than that
@@ -509,23 +521,27 @@ impl PlainStep<'_> {
         if !(known.to_cells > 0.0) || cell.restriction.is_some() {
             return None;
         }
-        if !self.candidate.is_clear(&self.shape, cell) {
+        let own = self.candidate.clearance(&self.shape, cell);
+        if own < 0.0 {
             return self.call_beside_walls(cell, known, array);
         }
+        let mut beside = f32::INFINITY;
         let mut objects = self.objects_around(cell.id, &self.candidate, false)?;
         for entry in array.entries().get(1..)? {
             let other = self.block.env_cell(entry.id)?;
             if other.restriction.is_some() {
                 return None;
             }
-            if !self.candidate.is_clear(&self.shape, other) {
+            let c = self.candidate.clearance(&self.shape, other);
+            if c < 0.0 {
                 return self.call_beside_walls(cell, known, array);
             }
+            beside = if c < beside { c } else { beside };
             let d = self.objects_around(other.id, &self.candidate, false)?;
             objects = if d < objects { d } else { objects };
         }
         known.to_objects = objects;
-        self.come_to_rest(cell, &self.candidate, known, array, None)
+        self.come_to_rest(cell, &self.candidate, [own, beside], known, array, None)
     }
 
     #[inline(always)]
@@ -545,17 +561,19 @@ impl PlainStep<'_> {
     #[inline(never)]
     fn beside_walls(&self, cell: &EnvCell, known: &mut Known, array: &mut CellArray) -> Option<PlainEnd> {
         match self.slide_along_walls(cell, known, array)? {
-            Slide::To(at, n) => self.come_to_rest(cell, &at, known, array, Some(n)),
+            Slide::To(at, n) => self.come_to_rest(cell, &at, [0.0; 2], known, array, Some(n)),
             Slide::Stopped(n) => self.stop(cell, n, known, array),
         }
     }
 
-    /// Looks for the ground below a pose that nothing is in the way of (5.6).
+    /// Looks for the ground below a pose that nothing is in the way of (5.6), given its clearances in the own cell and
+    /// in others.
     #[inline(always)]
     fn come_to_rest(
         &self,
         cell: &EnvCell,
         pose: &Candidate,
+        [own, beside]: [f32; 2],
         known: &Known,
         array: &CellArray,
         hit: Option<Vec3>,
@@ -565,9 +583,14 @@ impl PlainStep<'_> {
         let mut lowered = *pose;
         lowered.shift(down(h));
         let supported = self.mover.state.has(ObjectState::EDGE_SLIDE);
-        let floor = find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported)?;
+        let rests = |lifted: &Candidate| {
+            (own > 0.0 && pose.is_within(lifted, own)) || lifted.rests_in(&self.shape, cell)
+        };
+        let floor = find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported, rests)?;
         if !known.cells_at.is_within(&lowered, known.to_cells)
-            || !lowered.rests_beside(&self.shape, self.block, others)
+            || !(others.is_empty()
+                || (beside > 0.0 && pose.is_within(&lowered, beside))
+                || lowered.rests_beside(&self.shape, self.block, others))
         {
             return None;
         }

@@ -36,6 +36,23 @@ impl BoxQuad {
     }
 }
 
+impl BoxQuad {
+    /// How far a sphere may be shifted and does not come nearer to a polygon's plane than its radius less epsilon, or
+    /// does not meet its box: of the better the least. Zero or less: nothing is certain.
+    #[inline(always)]
+    pub(crate) fn clearances(&self, s: Lanes) -> Lanes {
+        let (p, radius) = (s.xyz(), s.fourth());
+        let mut clear = Lanes::four_distances(&self.planes, p).abs() - Lanes::splat(radius - EPSILON);
+        if clear.less(Lanes::splat(f32::MIN_POSITIVE)) != 0 {
+            for (axis, x) in [p.x, p.y, p.z].into_iter().enumerate() {
+                let away = (Lanes::splat(x) - self.center[axis]).abs();
+                clear = clear.greater(away - (self.half[axis] + Lanes::splat(radius)));
+            }
+        }
+        clear
+    }
+}
+
 /// A plane that nothing is near.
 const NOWHERE: Plane = Plane {
     normal: Vec3::ZERO,
@@ -60,13 +77,14 @@ pub(crate) struct BoxQuads {
 }
 
 impl BoxQuads {
-    /// `boxes` has the boxes of the faces. `None` for large trees.
+    /// `boxes` has the boxes of the faces. `None` for large trees and such with planes that are no numbers.
     pub(crate) fn new(faces: &[Face], boxes: &[BoundingBox]) -> Option<Self> {
         let mut seen = std::collections::BTreeSet::new();
         let mut order: Vec<usize> = (0..faces.len())
             .filter(|&i| faces[i].edge_count != 0 && seen.insert(faces[i].polygon))
             .collect();
-        if order.len() > MAX_SCANNED_FACES {
+        let finite = |i: &usize| Lanes::of_plane(&faces[*i].plane).all_finite();
+        if order.len() > MAX_SCANNED_FACES || !order.iter().all(finite) {
             return None;
         }
         let looks_up = |i: &usize| faces[*i].plane.normal.z >= LOOKS_UP;

@@ -118,6 +118,12 @@ impl Lanes {
         x + y + z
     }
 
+    /// The squares of all four lanes, added.
+    pub fn squared_length(self) -> f32 {
+        let [a, b, c, d] = (self.0 * self.0).to_array();
+        a + b + c + d
+    }
+
     /// Distance of a point from the plane that [`Lanes::of_plane`] made of a plane, as [`Plane::dist`].
     #[inline(always)]
     pub fn dist(self, p: Lanes) -> f32 {
@@ -174,6 +180,24 @@ impl Lanes {
     #[inline(always)]
     pub fn lesser(self, other: Lanes) -> Lanes {
         Lanes(self.0.fast_min(other.0))
+    }
+
+    /// The greater of both in each lane; `other` where a lane is no number.
+    #[inline(always)]
+    pub fn greater(self, other: Lanes) -> Lanes {
+        Lanes(self.0.fast_max(other.0))
+    }
+
+    /// The products of the lanes.
+    #[inline(always)]
+    pub fn times(self, other: Lanes) -> Lanes {
+        Lanes(self.0 * other.0)
+    }
+
+    /// The square roots of the lanes.
+    #[inline(always)]
+    pub fn sqrt(self) -> Lanes {
+        Lanes(self.0.sqrt())
     }
 
     /// The least of all four lanes.

@@ -440,16 +440,29 @@ impl PhysicsBsp {
         Some(false)
     }
 
+    /// How far a sphere may be shifted and certainly overlaps no polygon, metres; `None` when that is not easily told.
+    #[inline]
+    pub fn clearance(&self, s: Lanes) -> Option<f32> {
+        /// Many times the rounding of distances, metres.
+        const SLACK: f32 = 3e-5;
+        let mut least = Lanes::splat(f32::INFINITY);
+        for quad in &self.quads.as_ref()?.quads {
+            least = quad.clearances(s).lesser(least);
+        }
+        let least = least.least() - SLACK;
+        (least > 0.0).then_some(least)
+    }
+
     /// The face that looks up, if there is only one: normal z at least 0.05.
     #[inline(always)]
     pub fn only_face_up(&self) -> Option<&Face> {
         self.faces.get(self.quads.as_ref()?.only_up? as usize)
     }
 
-    /// Whether a point is certainly not in a leaf that is solid and has polygons.
+    /// Whether a point, shifted by up to `reach`, is certainly not in a leaf that is solid and has polygons.
     #[inline]
-    pub fn is_certainly_hollow_at(&self, p: Lanes) -> bool {
-        self.open_is_hollow && self.open.holds_cube(p, LEAST_CLEAR_RADIUS - 0.01)
+    pub fn is_certainly_hollow_around(&self, p: Lanes, reach: f32) -> bool {
+        self.open_is_hollow && self.open.holds_cube(p, LEAST_CLEAR_RADIUS - 0.01 + reach)
     }
 
     /// The box of open space; inside out when there is none.

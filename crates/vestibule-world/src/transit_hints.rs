@@ -32,6 +32,8 @@ pub struct TransitHints {
     /// Spheres of up to [`QUIET_RADIUS`] with centres in this box may be shifted by [`QUIET`] and touch this cell
     /// only; inside out when there is none.
     quiet: QuietBox,
+    /// See [`TransitHints::keeps_lengths`].
+    keeps_lengths: bool,
     /// See [`TransitHints::only_floor`].
     only_floor: Option<Lanes>,
     /// No polygon of the physics BSP enters this box; inside out when there is none.
@@ -81,6 +83,12 @@ impl TransitHints {
     pub fn certainly_clear(&self, center: Lanes, radius: f32) -> bool {
         // An overlap must be deeper than epsilon. A quarter of it is for bodies at rest, the rest for rounding.
         radius > LEAST_CLEAR_RADIUS && self.open.bounds.holds_cube(center, radius - 0.25 * EPSILON)
+    }
+
+    /// Whether the cell's rotation keeps lengths, but for a thousandth: stored ones need not.
+    #[inline(always)]
+    pub fn keeps_lengths(&self) -> bool {
+        self.keeps_lengths
     }
 
     /// The plane, in the frame of the cell's landblock, of the only polygon that looks up, if there is only one: normal
@@ -277,6 +285,7 @@ fn hints_of(cell: &EnvCell, cells: &[Option<EnvCell>]) -> TransitHints {
         away_quads: PlaneQuads::new(&away, f32::NEG_INFINITY),
         away,
         planes: PlaneQuads::new(&planes, f32::INFINITY),
+        keeps_lengths: (Lanes::of_rotation(cell.frame.rotation()).squared_length() - 1.0).abs() < 2e-4,
         only_floor: only_floor_of(cell),
         open: open_space_of(cell),
     }
