@@ -140,6 +140,8 @@ pub struct PhysicsBsp {
     quads: Option<BoxQuads>,
     /// No polygon enters this box; empty when there is none.
     open: LaneBox,
+    /// No leaf is solid and has polygons.
+    is_hollow: bool,
     /// No leaf that is solid and has polygons reaches into `open`.
     open_is_hollow: bool,
 }
@@ -208,6 +210,7 @@ impl PhysicsBsp {
         let mut bsp = PhysicsBsp {
             quads: BoxQuads::new(&faces, &reaches),
             open: open_box(&boxes).map_or(LaneBox::NOTHING, |b| LaneBox::new(&b)),
+            is_hollow: !leaves.iter().any(|l| l.solid && l.count != 0),
             open_is_hollow: false,
             root,
             nodes: nodes.into(),
@@ -224,6 +227,7 @@ impl PhysicsBsp {
     pub(crate) fn forget_hints(&mut self) {
         self.quads = None;
         self.open = LaneBox::NOTHING;
+        self.is_hollow = false;
         self.open_is_hollow = false;
         for face in &mut self.faces {
             face.sound = false;
@@ -462,7 +466,7 @@ impl PhysicsBsp {
     /// Whether a point, shifted by up to `reach`, is certainly not in a leaf that is solid and has polygons.
     #[inline]
     pub fn is_certainly_hollow_around(&self, p: Lanes, reach: f32) -> bool {
-        self.open_is_hollow && self.open.holds_cube(p, LEAST_CLEAR_RADIUS - 0.01 + reach)
+        self.is_hollow || (self.open_is_hollow && self.open.holds_cube(p, LEAST_CLEAR_RADIUS - 0.01 + reach))
     }
 
     /// The box of open space; inside out when there is none.
