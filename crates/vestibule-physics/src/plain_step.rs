@@ -437,6 +437,18 @@ fn along_wall(offset: Lanes, plane: Lanes, sliding: Vec3) -> Option<Lanes> {
     sliding.is_finite().then(|| along_planes(offset, plane, wall))
 }
 
+/// See [`Known::cells_of`].
+#[inline(never)]
+fn know_cells(
+    step: PlainStep<'_>,
+    cell: &EnvCell,
+    at: Candidate,
+    mut known: Known,
+    array: &mut CellArray,
+) -> Option<Known> {
+    known.cells_of(&step, cell, &at, array).then_some(known)
+}
+
 /// See [`PlainStep::objects_around`].
 #[inline(never)]
 fn statics_around(
@@ -574,11 +586,10 @@ impl PlainStep<'_> {
         cell: &EnvCell,
         pose: &Candidate,
         [own, beside]: [f32; 2],
-        known: &Known,
-        array: &CellArray,
+        known: &mut Known,
+        array: &mut CellArray,
         hit: Option<Vec3>,
     ) -> Option<PlainEnd> {
-        let others = array.entries().get(1..)?;
         let h = self.search_depth();
         let mut lowered = *pose;
         lowered.shift(down(h));
@@ -587,10 +598,16 @@ impl PlainStep<'_> {
             (own > 0.0 && pose.is_within(lifted, own)) || lifted.rests_in(&self.shape, cell)
         };
         let floor = find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported, rests)?;
-        if !known.cells_at.is_within(&lowered, known.to_cells)
-            || !(others.is_empty()
-                || (beside > 0.0 && pose.is_within(&lowered, beside))
-                || lowered.rests_beside(&self.shape, self.block, others))
+        let mut beside = beside;
+        if !known.cells_at.is_within(&lowered, known.to_cells) {
+            // Lifted onto a step, say.
+            *known = know_cells(*self, cell, lowered, *known, array)?;
+            beside = 0.0;
+        }
+        let others = array.entries().get(1..)?;
+        if !(others.is_empty()
+            || (beside > 0.0 && pose.is_within(&lowered, beside))
+            || lowered.rests_beside(&self.shape, self.block, others))
         {
             return None;
         }

@@ -38,7 +38,7 @@ impl Known {
 
     /// Makes sure that the cell array is that of a pose; `false` when none is certain.
     #[inline(always)]
-    fn cells_of(&mut self, step: &PlainStep<'_>, own: &EnvCell, at: &Candidate, array: &mut CellArray) -> bool {
+    pub(crate) fn cells_of(&mut self, step: &PlainStep<'_>, own: &EnvCell, at: &Candidate, array: &mut CellArray) -> bool {
         if !self.cells_at.is_within(at, self.to_cells) {
             self.cells_at = *at;
             self.to_cells = step.certain_rooms(own, at, array);
