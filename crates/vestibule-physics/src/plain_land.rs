@@ -1,7 +1,7 @@
 //! The usual step on terrain, worked out without a transition (`transition.md` 5.6, 5.8, 7.3); see
 //! [`crate::plain_step`].
 
-use vestibule_world::{Building, CellId, LandCell, Lanes, Plane, Sphere, Water, certain_land_cell};
+use vestibule_world::{Building, CellArray, CellEntry, CellId, LandCell, Lanes, Plane, Sphere, Water, certain_land_cells};
 
 use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS, SHAPE_INTERP_LIMIT, STEP_DOWN_ATTEMPTS};
 use crate::object_info::is_walkable_z;
@@ -87,8 +87,8 @@ pub(crate) fn plain_step_on_land(
         .is_none_or(|land| land.water == Water::Entirely);
     let spheres = step.candidate.spheres();
     let spheres = spheres.get(..step.shape.count()).unwrap_or(&spheres);
-    let to_cells = certain_land_cell(step.world, block, id, cell, spheres, &mut scratch.cell_array);
-    let end = step.on_certain_land(id, cell, to_cells, drowned);
+    let to_cells = certain_land_cells(step.world, block, id, cell, spheres, &mut scratch.cell_array);
+    let end = step.on_certain_land(id, cell, to_cells, drowned, &scratch.cell_array);
     if end.is_none() {
         *found = Some(Known::cells(&step.candidate, to_cells));
     }
@@ -98,7 +98,14 @@ pub(crate) fn plain_step_on_land(
 impl PlainStep<'_> {
     /// On a land cell that is the only one touched, also up to `to_cells` from the candidate.
     #[inline(always)]
-    fn on_certain_land(&self, id: CellId, cell: &LandCell, to_cells: f32, drowned: bool) -> Option<PlainEnd> {
+    fn on_certain_land(
+        &self,
+        id: CellId,
+        cell: &LandCell,
+        to_cells: f32,
+        drowned: bool,
+        array: &CellArray,
+    ) -> Option<PlainEnd> {
         if !(to_cells > 0.0) || cell.restriction.is_some() || drowned {
             return None;
         }
@@ -111,7 +118,8 @@ impl PlainStep<'_> {
         };
         settle(&mut over, MOVE_ATTEMPTS, None, 0.0)?;
         let moved = over.pose;
-        let objects = self.objects_on_land(id, cell, &moved, false)?;
+        let others = array.entries().get(1..)?;
+        let objects = self.objects_on_lands(id, cell, others, &moved, false)?;
         if !self.candidate.is_within(&moved, to_cells) {
             return None;
         }
@@ -122,7 +130,7 @@ impl PlainStep<'_> {
             settle(&mut over, STEP_DOWN_ATTEMPTS, Some(1.0), h)?;
             if !self.candidate.is_within(&over.pose, to_cells)
                 || !(moved.is_within(&over.pose, objects)
-                    || self.objects_on_land(id, cell, &over.pose, true).is_some())
+                    || self.objects_on_lands(id, cell, others, &over.pose, true).is_some())
                 || over.contact?.normal.z < FLOOR_Z
             {
                 return None;
@@ -134,6 +142,30 @@ impl PlainStep<'_> {
         }
         let plane = Lanes::of_plane(&over.contact?);
         self.end(&over.pose, plane, cell.water != Water::Not, None)
+    }
+
+    /// As [`PlainStep::objects_on_land`] in all land cells that a pose touches. The others' ground is not under it, nor
+    /// may they be watched over.
+    #[inline(always)]
+    fn objects_on_lands(
+        &self,
+        id: CellId,
+        cell: &LandCell,
+        others: &[CellEntry],
+        pose: &Candidate,
+        placing: bool,
+    ) -> Option<f32> {
+        let mut least = self.objects_on_land(id, cell, pose, placing)?;
+        for entry in others {
+            let other = self.block.land_cell(entry.id)?;
+            let upright = self.low.has_xy_of(self.candidate.spheres[0]);
+            if other.restriction.is_some() || !upright {
+                return None;
+            }
+            let d = self.objects_on_land(entry.id, other, pose, placing)?;
+            least = if d < least { d } else { least };
+        }
+        Some(least)
     }
 
     /// As [`PlainStep::objects_around`], the land cell's building among them.

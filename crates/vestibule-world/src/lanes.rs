@@ -156,6 +156,12 @@ impl Lanes {
         a | b | c == 0
     }
 
+    /// Whether the first two lanes are equal, as numbers are.
+    #[inline(always)]
+    pub fn has_xy_of(self, other: Lanes) -> bool {
+        self.0.simd_eq(other.0).to_bitmask() & 0b11 == 0b11
+    }
+
     /// Whether all four lanes are finite.
     #[inline(always)]
     pub fn all_finite(self) -> bool {
