@@ -351,8 +351,7 @@ impl<'w> SpherePath<'w> {
         self.localspace_key = key;
         if !same_space {
             self.localspace = space;
-            let [x, y, z] = space.frame.axes();
-            self.localspace_z = Vec3::new(x.z, y.z, z.z);
+            self.localspace_z = space.frame.up().xyz();
         }
         self.localspace_foot = self.localspace_check_sphere(0);
     }

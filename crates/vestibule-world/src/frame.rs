@@ -15,8 +15,8 @@ pub struct Frame {
     /// Where the local origin lies in the enclosing frame, metres.
     pub origin: Vec3,
     rotation: Quat,
-    /// The local axes in the enclosing frame.
-    rows: [Lanes; 3],
+    /// The local axes in the enclosing frame. Not in lanes: positions are copied about, and a fourth more is felt.
+    rows: [Vec3; 3],
     /// The rows turned: what [`Frame::global_to_local_vec`] multiplies with.
     columns: [Lanes; 3],
 }
@@ -32,7 +32,7 @@ impl Frame {
     pub const IDENTITY: Frame = Frame {
         origin: Vec3::ZERO,
         rotation: Quat::IDENTITY,
-        rows: AXES,
+        rows: [Vec3::X, Vec3::Y, Vec3::Z],
         columns: AXES,
     };
 
@@ -42,7 +42,7 @@ impl Frame {
         Frame {
             origin,
             rotation,
-            rows: rows.map(Lanes::from),
+            rows,
             columns: columns(&rows),
         }
     }
@@ -68,8 +68,8 @@ impl Frame {
 
     /// The local axes in the enclosing frame.
     #[inline]
-    pub fn axes(&self) -> [Vec3; 3] {
-        self.rows.map(Lanes::xyz)
+    pub fn axes(&self) -> &[Vec3; 3] {
+        &self.rows
     }
 
     /// The enclosing frame's z axis in local coordinates.
@@ -104,7 +104,7 @@ impl Frame {
     /// As [`Frame::local_to_global_vec`].
     #[inline(always)]
     pub fn turned_out(&self, v: Lanes) -> Lanes {
-        Lanes::combined(&self.rows, v)
+        Lanes::combined(&self.rows.map(Lanes::from), v)
     }
 
     /// A point of the enclosing frame in local coordinates (retail `globaltolocal`).
