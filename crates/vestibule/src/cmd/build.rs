@@ -19,7 +19,7 @@ use crate::ui::{Context, Failed, Spinner, Usage, hinted, style};
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  vestibule build worlds/hollow --out hollow
+  vestibule build crates/vestibule-forge/worlds/hollow --out hollow
   vestibule tour --dat hollow
   vestibule build room.scene --check
   vestibule build --synthetic small --seed 7 --out plain

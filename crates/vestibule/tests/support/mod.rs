@@ -108,9 +108,17 @@ impl Sandbox {
 
     /// Writes the embedded world to a folder.
     pub(crate) fn build_world(&self, name: &str) -> PathBuf {
-        let scene = format!("{REPOSITORY}/worlds/hollow");
-        self.run(&["build", &scene, "--out", name]).ok();
+        let scene = self.write_scene(&format!("{name}.scenes"));
+        self.run(&["build", scene.to_str().unwrap(), "--out", name]).ok();
         self.join(name)
+    }
+
+    /// Writes the scene of the embedded world to a folder.
+    pub(crate) fn write_scene(&self, folder: &str) -> PathBuf {
+        for (path, text) in vestibule::forge::EMBEDDED_SCENE {
+            self.write(&format!("{folder}/{}", path.rsplit('/').next().unwrap()), text);
+        }
+        self.join(folder)
     }
 }
 
