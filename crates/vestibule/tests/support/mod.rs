@@ -8,20 +8,12 @@ use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
 
-/// Where the vectors are when they are there.
-pub(crate) const VECTORS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors");
 /// The repository.
 pub(crate) const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 /// The vectors, or a notice that they are not there.
 pub(crate) fn vectors(test: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(VECTORS);
-    if path.is_dir() {
-        return path.canonicalize().ok();
-    }
-    // Not through the captured macros: people should see what was left out.
-    let _ = writeln!(std::io::stderr(), "skipped: {test}: no vectors in {VECTORS}");
-    None
+    vestibule_testing::vectors(test)?.canonicalize().ok()
 }
 
 /// A folder of its own to run the command in.
