@@ -69,6 +69,10 @@ fn every_subcommand_has_examples_and_they_run() {
         let mut args: Vec<&str> = words.iter().map(String::as_str).collect();
         args.push("--help");
         let help = sandbox.run(&args).ok().out;
+        assert!(
+            !help.contains("\\\""),
+            "{words:?}: quotes are written as they are typed"
+        );
         let examples = examples(&help);
         // Of what opens a window only the rest can be run here.
         let enough = if help.contains("Opens a window:") { 1 } else { 2 };

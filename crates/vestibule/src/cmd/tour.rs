@@ -1,7 +1,6 @@
 //! `vestibule tour`: a walk in and out of everything.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -41,8 +40,8 @@ Examples:
   vestibule tour --json
 
 Writes to the folder of --out:
-  trail.jsonl    one object a tick: t, cell, pos; of the camera viewer (its cell) and eye, and rooms (the draw list)
-                 whenever it is another
+  trail.jsonl    one object a tick: t, cell, pos; of the camera viewer (its cell) and eye,
+                 and rooms (the draw list) whenever it is another
   map.svg        the way from above; map-XXXX.svg for further landblocks
   filmstrip.png  every threshold: before, as the player crosses, as the camera has followed
 Exit code 1 if the cell changed while standing, or a trial did not go as expected.")]
@@ -414,7 +413,7 @@ fn write_maps(world: &World, trail: &[TrailStep], folder: &std::path::Path) -> a
             format!("map-{:04X}.svg", block.0)
         };
         let path = folder.join(name);
-        std::fs::write(&path, svg).with_context(|| format!("cannot write {}", path.display()))?;
+        super::write_whole(&path, svg.as_bytes())?;
         written.push(path);
     }
     Ok(written)
@@ -449,7 +448,7 @@ fn write_pictures(
         drop(progress);
         let mut bytes = Vec::new();
         write_apng(&images, film::FILM_DELAY_MS, &mut bytes)?;
-        super::write_whole(path, &bytes).with_context(|| format!("cannot write {}", path.display()))?;
+        super::write_whole(path, &bytes)?;
         written.push(path.clone());
     }
     Ok(written)
@@ -462,10 +461,6 @@ fn advance(progress: &Mutex<Progress>, done: usize) {
 }
 
 fn write_trail_file(record: &TourRecord, path: &std::path::Path) -> anyhow::Result<()> {
-    let write = || -> std::io::Result<()> {
-        let mut file = BufWriter::new(File::create(path)?);
-        write_trail(record, &mut file)?;
-        file.flush()
-    };
-    write().with_context(|| format!("cannot write {}", path.display()))
+    super::write_whole_by(path, |file| write_trail(record, file))
+        .with_context(|| format!("cannot write {}", path.display()))
 }
