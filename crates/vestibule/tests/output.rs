@@ -85,6 +85,36 @@ fn a_file_that_cannot_be_written_is_said_with_a_hint_and_leaves_nothing() {
 }
 
 #[test]
+fn where_a_tour_cannot_write_it_does_not_begin_to_walk() {
+    let sandbox = Sandbox::new();
+    sandbox.write("file", "in the way");
+    for (args, wanted) in [
+        (["--out", "file"], "hint: --out takes a folder"),
+        (["--out", "file/deep"], "cannot create file"),
+        (["--film", "nowhere/film.png"], "there is no folder nowhere"),
+    ] {
+        let ran = sandbox
+            .run(&[&["tour"][..], &args].concat())
+            .fails(1)
+            .says(&[wanted]);
+        assert_eq!(ran.out, "");
+    }
+    assert!(!sandbox.join("tour").exists());
+}
+
+#[test]
+fn nothing_is_measured_of_nothing() {
+    let sandbox = Sandbox::new();
+    for args in [
+        &["bench", "sweep", "--vectors", "v", "--world", "w", "-n", "0"][..],
+        &["bench", "view", "--eyes", "0"],
+        &["bench", "render", "--eyes", "0"],
+    ] {
+        sandbox.run(args).fails(2).says(&["0 is not in 1.."]);
+    }
+}
+
+#[test]
 fn a_file_that_cannot_be_read_is_said_with_a_hint() {
     let sandbox = Sandbox::new();
     sandbox.write("bytes", [0xFF, 0xFE]);

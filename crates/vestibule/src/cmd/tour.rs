@@ -89,8 +89,31 @@ enum MembershipArg {
     Static,
 }
 
+/// Whether results can go to a folder, which need not be there yet.
+fn can_be_a_folder(path: &std::path::Path) -> anyhow::Result<()> {
+    for path in path.ancestors().filter(|p| !p.as_os_str().is_empty()) {
+        if path.is_dir() {
+            break;
+        }
+        if path.exists() {
+            let error = anyhow::anyhow!("cannot create {}: it is a file", path.display());
+            return Err(hinted(error, "--out takes a folder"));
+        }
+    }
+    Ok(())
+}
+
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let begun = Instant::now();
+    // Before a walk that may take minutes, not after it.
+    can_be_a_folder(&args.out)?;
+    if let Some(folder) = args.film.as_ref().and_then(|film| film.parent()) {
+        anyhow::ensure!(
+            folder.as_os_str().is_empty() || folder.is_dir() || folder == args.out,
+            "there is no folder {}",
+            folder.display()
+        );
+    }
     let dats = context.dats()?;
     let world = World::open(dats.clone())?;
     let start = args.start.map(|place| place.position(&world)).transpose()?;
