@@ -92,7 +92,7 @@ impl Camera {
     /// # Errors
     /// As [`Camera::new`].
     pub fn from_frame(cell: CellId, frame: &Frame, fov_y: f32, viewport: Vec2) -> Result<Self, CameraError> {
-        let [_, forward, up] = *frame.axes();
+        let [_, forward, up] = frame.axes();
         Camera::new(cell, frame.origin, forward, up, fov_y, viewport)
     }
 

@@ -3,12 +3,13 @@
 
 use crate::cell_array::CellArray;
 use crate::constants::SQUARE_LENGTH;
-use crate::env_cell::{EnvCell, PortalTarget};
+use crate::env_cell::{CellPortal, EnvCell, PortalTarget};
 use crate::geometry::Sphere;
 use crate::ids::CellId;
 use crate::landblock::Landblock;
+use crate::lanes::Lanes;
 use crate::terrain::{LandCell, Split};
-use crate::transit_hints::{TransitHints, UNIT_TOLERANCE};
+use crate::transit_hints::UNIT_TOLERANCE;
 use crate::world::World;
 
 /// Fills `array` with what [`crate::find_cell_list`] would, if that is certain, and says how far `spheres` may be
@@ -34,9 +35,6 @@ pub fn certain_cells(world: &World, seed: CellId, spheres: &[Sphere], array: &mu
 #[inline(never)]
 pub fn certain_rooms(block: &Landblock, cell: &EnvCell, spheres: &[Sphere], array: &mut CellArray) -> f32 {
     array.start(cell.id, true);
-    if !spheres.is_empty() && spheres.iter().all(|s| cell.hints.is_quiet(s)) {
-        return TransitHints::QUIET_SHIFT;
-    }
     match flood(block, cell, spheres, array) {
         Some(distance) if distance > 0.0 => distance,
         _ => {
@@ -75,32 +73,48 @@ fn through_portals(
 ) -> Option<f32> {
     /// Nearer than this, what is behind a portal is looked at closely, metres.
     const NEAR: f32 = 0.1;
-    let mut least = f32::INFINITY;
-    for (index, portal) in cell.portals.iter().enumerate() {
-        let mut limit = cell.hints.distance_away(index, spheres);
-        if !(limit > NEAR) {
-            let behind = match portal.other {
-                PortalTarget::Cell(id) if array.contains(id) => continue,
-                PortalTarget::Cell(id) if id.block() == block.id => block.env_cell(id),
-                _ => None,
-            };
-            match behind {
-                Some(other) => {
-                    let (touches, distance) = other.hints.distance_to_change(spheres);
-                    if touches {
-                        array.add(other.id, true);
-                        limit = distance;
-                    } else {
-                        limit = if distance > limit { distance } else { limit };
-                    }
-                }
-                None if limit > 0.0 => {}
-                None => return None,
-            }
+    let mut least = Lanes::splat(f32::INFINITY);
+    let mut first = 0;
+    for mut limits in cell.hints.distances_away(spheres) {
+        // Also what is no number.
+        let mut near = !Lanes::splat(NEAR).less(limits) & 0b1111;
+        while near != 0 {
+            let k = near.trailing_zeros() as usize;
+            near &= near - 1;
+            let portal = cell.portals.get(first + k)?;
+            let limit = look_behind(block, portal, limits.lane(k), spheres, array)?;
+            limits.set_lane(k, limit);
         }
-        least = if limit < least { limit } else { least };
+        least = limits.lesser(least);
+        first += 4;
     }
-    Some(least)
+    // A cell without hints.
+    (first >= cell.portals.len()).then(|| least.least())
+}
+
+/// What limits the shift near a portal of which no more is known than `limit`; adds the room behind it if it is touched.
+#[inline]
+fn look_behind(
+    block: &Landblock,
+    portal: &CellPortal,
+    limit: f32,
+    spheres: &[Sphere],
+    array: &mut CellArray,
+) -> Option<f32> {
+    let behind = match portal.other {
+        PortalTarget::Cell(id) if array.contains(id) => return Some(f32::INFINITY),
+        PortalTarget::Cell(id) if id.block() == block.id => block.env_cell(id),
+        _ => None,
+    };
+    let Some(other) = behind else {
+        return (limit > 0.0).then_some(limit);
+    };
+    let (touches, distance) = other.hints.distance_to_change(spheres);
+    if touches {
+        array.add(other.id, true);
+        return Some(distance);
+    }
+    Some(if distance > limit { distance } else { limit })
 }
 
 /// As [`certain_cells`] on land: one land cell only.
