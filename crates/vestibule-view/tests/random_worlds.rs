@@ -227,7 +227,7 @@ fn s17_5_s17_6_moving_the_world_with_its_camera_changes_nothing() {
             let rotation = glam::Quat::from_xyzw(0.0, 0.0, h, h) * spec.frame.rotation();
             spec.frame = vestibule_world::Frame::new(turn(spec.frame.origin), rotation);
         }
-        let [_, forward, up] = camera.axes();
+        let [_, forward, up] = *camera.axes();
         let fov = 2.0 * libm::atanf(camera.slopes().y);
         let turned = Camera::new(
             camera.cell(),
@@ -249,7 +249,7 @@ fn s17_5_s17_6_moving_the_world_with_its_camera_changes_nothing() {
 }
 
 fn camera_in(camera: &Camera, cell: CellId) -> Camera {
-    let [_, forward, up] = camera.axes();
+    let [_, forward, up] = *camera.axes();
     let fov = 2.0 * libm::atanf(camera.slopes().y);
     Camera::new(cell, camera.eye(), forward, up, fov, VIEWPORT).unwrap()
 }
