@@ -1,12 +1,10 @@
 //! Looking into buildings: `visibility.md` 8, examples V18-V20 and V34.
 
 mod common;
-#[path = "../../vestibule-world/tests/common/mod.rs"]
-#[allow(unused_imports, reason = "shared with another crate's tests")]
-mod records;
 
 use common::*;
 use glam::Vec3;
+use vestibule_testing::records;
 use vestibule_view::{
     BlockOpenings, Camera, DoorSpec, FloodArena, FloodSettings, HouseSpec, LookIns, PView, Region,
 };

@@ -10,15 +10,6 @@ use std::process::Command;
 
 use serde_json::Value;
 
-/// Tests in these files share small worlds by path; the crates build and publish without.
-const SHARE_TEST_WORLDS: [&str; 5] = [
-    "vestibule-world/tests/common/mod.rs",
-    "vestibule-physics/src/rig.rs",
-    "vestibule-physics/tests/properties.rs",
-    "vestibule-view/tests/look_in.rs",
-    "vestibule-view/tests/streaming.rs",
-];
-
 /// The folder of all crates, unless this crate stands alone.
 fn crates(test: &str) -> Option<PathBuf> {
     let folder = Path::new(support::REPOSITORY).join("crates");
@@ -107,12 +98,6 @@ fn no_crate_includes_a_file_from_outside_its_folder() {
             let text = std::fs::read_to_string(&file).unwrap();
             // In two parts, or this file would be found as well.
             let mut paths = quoted(&text, concat!("#[", "path = "), ']');
-            if SHARE_TEST_WORLDS.contains(&name.as_str()) {
-                paths.retain(|p| {
-                    !p.ends_with("vestibule-world/tests/common/mod.rs")
-                        && !p.ends_with("vestibule-testing/src/records.rs")
-                });
-            }
             for mark in [
                 concat!("include_", "str!("),
                 concat!("include_", "bytes!("),
