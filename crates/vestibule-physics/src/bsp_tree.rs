@@ -156,7 +156,7 @@ fn hits<'b>(bsp: &'b PhysicsBsp, s: Lanes, only_up: bool, filter: impl Fn(&Face)
 }
 
 /// Whether a walk is certain to reach a polygon that the sphere overlaps: when the overlap is deep enough.
-#[inline]
+#[inline(always)]
 fn is_sure(bsp: &PhysicsBsp, face: &Face, overlap: Overlap, s: Lanes) -> bool {
     face.sound
         && match overlap {

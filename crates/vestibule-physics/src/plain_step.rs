@@ -225,10 +225,10 @@ pub(crate) fn search_below<'b>(
     Some((bsp, floor, local))
 }
 
-/// How a step down by `h` ends when it finds a floor of the cell and nothing of the cell is in the way of the
-/// candidate lifted onto it (5.8). `lowered` has been lowered and is lifted; `supported`: the floor must support the
-/// foot sphere, and `rests` says whether the cell has room for the lifted candidate, as [`Candidate::rests_in`] does.
-/// Whether that reaches other cells or objects is for the caller to see.
+/// How a step down by `h` ends when it finds a floor of the cell and nothing is in the way of the candidate lifted
+/// onto it (5.8). `lowered` has been lowered and is lifted; `supported`: the floor must support the
+/// foot sphere. Whether any cell or object has room for the lifted candidate is for the caller to see
+/// ([`Candidate::rests_in`]).
 #[inline(always)]
 pub(crate) fn find_open_floor(
     cell: &EnvCell,
@@ -237,7 +237,6 @@ pub(crate) fn find_open_floor(
     h: f32,
     z: f32,
     supported: bool,
-    rests: impl FnOnce(&Candidate) -> bool,
 ) -> Option<OpenFloor> {
     let frame = &cell.frame;
     let (bsp, floor, local) = search_below(cell, shape, lowered, h, z)?;
@@ -257,9 +256,6 @@ pub(crate) fn find_open_floor(
     }
     let offset = frame.turned_out(floor.sphere - local);
     lowered.shift(offset);
-    if !rests(lowered) {
-        return None;
-    }
     Some(OpenFloor {
         offset,
         plane,
@@ -594,10 +590,10 @@ impl PlainStep<'_> {
         let mut lowered = *pose;
         lowered.shift(down(h));
         let supported = self.mover.state.has(ObjectState::EDGE_SLIDE);
-        let rests = |lifted: &Candidate| {
-            (own > 0.0 && pose.is_within(lifted, own)) || lifted.rests_in(&self.shape, cell)
-        };
-        let floor = find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported, rests)?;
+        let floor = find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported)?;
+        if !((own > 0.0 && pose.is_within(&lowered, own)) || lowered.rests_in(&self.shape, cell)) {
+            return None;
+        }
         let mut beside = beside;
         if !known.cells_at.is_within(&lowered, known.to_cells) {
             // Lifted onto a step, say.

@@ -64,7 +64,7 @@ fn is_inside_all(edges: &[FaceEdge], point: Vec3) -> bool {
 }
 
 /// Whether a sphere that is known to overlap the polygon still does with a radius smaller by `less`.
-#[inline]
+#[inline(never)]
 pub(crate) fn hits_deeper(face: &Face, edges: &[FaceEdge], sphere: &Sphere, less: f32) -> bool {
     polygon_hits_sphere(face, edges, &Sphere::new(sphere.center, sphere.radius - less))
 }

@@ -7,7 +7,7 @@ use crate::constants::{
     DEFAULT_STEP_HEIGHT, FLOOR_Z, MAX_INSERTION_DEPTH, STEP_DOWN_ATTEMPTS, Z_FOR_LANDING,
 };
 use crate::flags::ObjectState;
-use crate::plain_step::{Candidate, down, find_open_floor, search_below};
+use crate::plain_step::{down, find_open_floor, search_below};
 use crate::polygon;
 use crate::sphere_path::CellRef;
 use crate::transition::{InsertType, Transition, TransitionState};
@@ -133,15 +133,15 @@ impl Transition<'_, '_> {
         }
         let (shape, mut lowered) = (path.shape(), path.candidate());
         lowered.shift(down(h));
-        let rests = |lifted: &Candidate| lifted.rests_in(&shape, cell);
         let edge_slide = self.object.is(ObjectState::EDGE_SLIDE);
         let supported = edge_slide && self.object.is(ObjectState::ON_WALKABLE);
-        let Some(floor) = find_open_floor(cell, &shape, &mut lowered, h, z, supported, rests) else {
+        let Some(floor) = find_open_floor(cell, &shape, &mut lowered, h, z, supported) else {
             return false;
         };
         let at = lowered.spheres[0].xyz();
         let others = self.other_rooms();
-        if !self.built.holds(cell.id, at)
+        if !lowered.rests_in(&shape, cell)
+            || !self.built.holds(cell.id, at)
             || !lowered.rests_beside(&shape, block, others)
             || !self.has_no_objects_near(cell.id, block, at)
             || !others
