@@ -70,12 +70,7 @@ pub(crate) fn sphere_intersects_poly<'b>(
 }
 
 #[inline(never)]
-fn finds_poly<'b>(
-    bsp: &'b PhysicsBsp,
-    s: Lanes,
-    movement: Lanes,
-    named: &mut Option<&'b Face>,
-) -> bool {
+fn finds_poly<'b>(bsp: &'b PhysicsBsp, s: Lanes, movement: Lanes, named: &mut Option<&'b Face>) -> bool {
     let mut hits = SureHits::default();
     let unsure = bsp.any_face_near(s, false, |face, distance| {
         let overlap = polygon::overlap_at(face, bsp.edges(face), s, distance);

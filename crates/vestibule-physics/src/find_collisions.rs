@@ -18,7 +18,8 @@ impl<'w> Transition<'w, '_> {
         if path.insert_type == InsertType::Placement || path.obstruction_ethereal {
             let center_check = !(path.bldg_check && path.hits_interior_cell);
             let hit = bsp_tree::sphere_intersects_solid(bsp, foot.into(), center_check)
-                || (two && bsp_tree::sphere_intersects_solid(bsp, path.localspace_head().into(), center_check));
+                || (two
+                    && bsp_tree::sphere_intersects_solid(bsp, path.localspace_head().into(), center_check));
             return if hit {
                 TransitionState::Collided
             } else {

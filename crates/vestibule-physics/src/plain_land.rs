@@ -1,12 +1,14 @@
 //! The usual step on terrain, worked out without a transition (`transition.md` 5.6, 5.8, 7.3); see
 //! [`crate::plain_step`].
 
-use vestibule_world::{Building, CellArray, CellEntry, CellId, LandCell, Lanes, Plane, Sphere, Water, certain_land_cells};
+use vestibule_world::{
+    Building, CellArray, CellEntry, CellId, LandCell, Lanes, Plane, Sphere, Water, certain_land_cells,
+};
 
 use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS, SHAPE_INTERP_LIMIT, STEP_DOWN_ATTEMPTS};
 use crate::object_info::is_walkable_z;
-use crate::plain_walls::Known;
 use crate::plain_step::{Candidate, PlainEnd, PlainStep, Shape, distance_to_sphere, down};
+use crate::plain_walls::Known;
 use crate::sweep::Scratch;
 
 /// A candidate over terrain.
@@ -130,7 +132,9 @@ impl PlainStep<'_> {
             settle(&mut over, STEP_DOWN_ATTEMPTS, Some(1.0), h)?;
             if !self.candidate.is_within(&over.pose, to_cells)
                 || !(moved.is_within(&over.pose, objects)
-                    || self.objects_on_lands(id, cell, others, &over.pose, true).is_some())
+                    || self
+                        .objects_on_lands(id, cell, others, &over.pose, true)
+                        .is_some())
                 || over.contact?.normal.z < FLOOR_Z
             {
                 return None;
@@ -201,7 +205,8 @@ fn shell_around(building: &Building, shape: &Shape, pose: &Candidate, placing: b
     if distance > 0.0 {
         return Some(distance);
     }
-    pose.clears_part(shape, frame, bsp, &bound, placing).then_some(0.0)
+    pose.clears_part(shape, frame, bsp, &bound, placing)
+        .then_some(0.0)
 }
 
 /// Inserts until terrain is satisfied.

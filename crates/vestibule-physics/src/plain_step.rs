@@ -8,8 +8,8 @@
 
 use glam::Vec3;
 use vestibule_world::{
-    CellArray, CellEntry, CellId, CylSphere, EnvCell, Frame, Landblock, Lanes, PhysicsBsp, Position, ShadowLists,
-    Sphere, StaticObject, TransitHints, World, certain_rooms,
+    CellArray, CellEntry, CellId, CylSphere, EnvCell, Frame, Landblock, Lanes, PhysicsBsp, Position,
+    ShadowLists, Sphere, StaticObject, TransitHints, World, certain_rooms,
 };
 
 use crate::adjust_offset::along_planes;
@@ -111,12 +111,17 @@ impl Candidate {
     }
 
     /// Whether an insertion finds nothing of a part of a static object.
-    pub(crate) fn clears_part(&self, shape: &Shape, frame: &Frame, bsp: &PhysicsBsp, bound: &Sphere, placing: bool) -> bool {
+    pub(crate) fn clears_part(
+        &self,
+        shape: &Shape,
+        frame: &Frame,
+        bsp: &PhysicsBsp,
+        bound: &Sphere,
+        placing: bool,
+    ) -> bool {
         let local = [self.local(shape, frame, 0), self.local(shape, frame, 1)];
         let local = local.get(..shape.count()).unwrap_or(&local);
-        let reached = local
-            .iter()
-            .any(|&s| bsp_tree::spheres_overlap(bound, &s.into()));
+        let reached = local.iter().any(|&s| bsp_tree::spheres_overlap(bound, &s.into()));
         !reached
             || local
                 .iter()
@@ -137,7 +142,10 @@ impl Candidate {
     /// Whether the cell's box of open space holds all spheres.
     #[inline(always)]
     pub(crate) fn is_in_the_open(&self, shape: &Shape, cell: &EnvCell) -> bool {
-        let clear = |i: usize| cell.hints.certainly_clear(self.spheres[i], shape.arms[i].fourth());
+        let clear = |i: usize| {
+            cell.hints
+                .certainly_clear(self.spheres[i], shape.arms[i].fourth())
+        };
         clear(0) && (!shape.two || clear(1))
     }
 
@@ -199,7 +207,8 @@ fn touches_nothing_solid(shape: Shape, origin: Lanes, cell: &EnvCell) -> bool {
     let Some(bsp) = &cell.structure.physics else {
         return true;
     };
-    let solid = |i| bsp_tree::sphere_intersects_solid(bsp, local_sphere(origin, &shape, &cell.frame, i), true);
+    let solid =
+        |i| bsp_tree::sphere_intersects_solid(bsp, local_sphere(origin, &shape, &cell.frame, i), true);
     !solid(0) && (!shape.two || !solid(1))
 }
 
@@ -569,7 +578,7 @@ impl PlainStep<'_> {
     #[inline(never)]
     fn beside_walls(&self, cell: &EnvCell, known: &mut Known, array: &mut CellArray) -> Option<PlainEnd> {
         match self.slide_along_walls(cell, known, array)? {
-            Slide::To(at, n) => self.come_to_rest(cell, &at, [0.0; 2], known, array, Some(n)),
+            Slide::To(at, n) => self.come_to_rest(cell, &at, [0.0; 2], known, array, n),
             Slide::Stopped(n) => self.stop(cell, n, known, array),
         }
     }

@@ -38,7 +38,13 @@ impl Known {
 
     /// Makes sure that the cell array is that of a pose; `false` when none is certain.
     #[inline(always)]
-    pub(crate) fn cells_of(&mut self, step: &PlainStep<'_>, own: &EnvCell, at: &Candidate, array: &mut CellArray) -> bool {
+    pub(crate) fn cells_of(
+        &mut self,
+        step: &PlainStep<'_>,
+        own: &EnvCell,
+        at: &Candidate,
+        array: &mut CellArray,
+    ) -> bool {
         if !self.cells_at.is_within(at, self.to_cells) {
             self.cells_at = *at;
             self.to_cells = step.certain_rooms(own, at, array);
@@ -51,8 +57,8 @@ impl Known {
 
 /// Where walls leave a candidate.
 pub(crate) enum Slide {
-    /// There, having run into something with this normal.
-    To(Candidate, Vec3),
+    /// There, having run into something with this normal, if into anything.
+    To(Candidate, Option<Vec3>),
     /// Nowhere: it is rejected, having run into something with this normal.
     Stopped(Vec3),
 }
@@ -79,7 +85,7 @@ struct AmongWalls<'a, 's> {
     pose: Candidate,
     neg_poly_hit: Option<NegPolyHit>,
     /// What was run into last.
-    normal: Lanes,
+    normal: Option<Lanes>,
 }
 
 impl PlainStep<'_> {
@@ -98,7 +104,7 @@ impl PlainStep<'_> {
             array,
             pose: self.candidate,
             neg_poly_hit: None,
-            normal: Lanes::ZERO,
+            normal: None,
         };
         for _ in 0..MOVE_ATTEMPTS {
             let before = among.pose;
@@ -112,7 +118,7 @@ impl PlainStep<'_> {
                 Answer::Collided => break,
             }
             let Some(hit) = among.neg_poly_hit.take() else {
-                return Some(Slide::To(among.pose, collision_normal(among.normal.xyz())));
+                return Some(Slide::To(among.pose, among.collision_normal()));
             };
             if hit.step_up {
                 among.step_up_in_vain()?;
@@ -122,7 +128,7 @@ impl PlainStep<'_> {
                 break;
             }
         }
-        Some(Slide::Stopped(collision_normal(among.normal.xyz())))
+        among.collision_normal().map(Slide::Stopped)
     }
 
     /// The sweep puts the mover back (5.11), standing on what it stood on.
@@ -151,6 +157,10 @@ impl PlainStep<'_> {
 }
 
 impl AmongWalls<'_, '_> {
+    fn collision_normal(&self) -> Option<Vec3> {
+        self.normal.map(|n| collision_normal(n.xyz()))
+    }
+
     /// Whether what was done left the candidate where it was before: then the same would be done again.
     #[inline(always)]
     fn stays(&self, before: &Candidate) -> bool {
@@ -290,7 +300,7 @@ impl AmongWalls<'_, '_> {
         if normal == Vec3::ZERO {
             return None;
         }
-        self.normal = n;
+        self.normal = Some(n);
         let g = Lanes::ZERO + self.pose.spheres[0] - curr;
         let crease = Lanes::from(normal.cross(floor));
         let squared = crease.dot(crease);

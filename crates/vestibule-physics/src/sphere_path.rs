@@ -3,7 +3,9 @@
 
 use glam::{Quat, Vec3};
 use vestibule_world::ids::block_offset;
-use vestibule_world::{CellId, EnvCell, Face, Frame, LandCell, Landblock, Lanes, PhysicsBsp, Position, Sphere};
+use vestibule_world::{
+    CellId, EnvCell, Face, Frame, LandCell, Landblock, Lanes, PhysicsBsp, Position, Sphere,
+};
 
 use crate::constants::EPSILON;
 use crate::math::UP;

@@ -87,9 +87,7 @@ impl Transition<'_, '_> {
             return false;
         }
         let (shape, at) = (self.path.shape(), self.path.candidate());
-        let finds_floor = |cell: &EnvCell| {
-            search_below(cell, &shape, &at, h, z).is_some()
-        };
+        let finds_floor = |cell: &EnvCell| search_below(cell, &shape, &at, h, z).is_some();
         if finds_floor(cell) {
             return false;
         }

@@ -178,8 +178,20 @@ impl Lanes {
 
     /// The coefficients of four planes side by side, for [`Lanes::four_distances`].
     pub fn side_by_side(planes: [Plane; 4]) -> [Lanes; 4] {
-        let of = |f: fn(&Plane) -> f32| Lanes(f32x4::new([f(&planes[0]), f(&planes[1]), f(&planes[2]), f(&planes[3])]));
-        [of(|p| p.normal.x), of(|p| p.normal.y), of(|p| p.normal.z), of(|p| p.d)]
+        let of = |f: fn(&Plane) -> f32| {
+            Lanes(f32x4::new([
+                f(&planes[0]),
+                f(&planes[1]),
+                f(&planes[2]),
+                f(&planes[3]),
+            ]))
+        };
+        [
+            of(|p| p.normal.x),
+            of(|p| p.normal.y),
+            of(|p| p.normal.z),
+            of(|p| p.d),
+        ]
     }
 
     /// The lesser of both in each lane; `other` where a lane is no number.
@@ -377,6 +389,9 @@ mod tests {
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             assert!(!Lanes::new(A, bad).all_finite());
         }
-        assert!(Lanes::from(A).all_equal(Lanes::from(A)) && !Lanes::splat(f32::NAN).all_equal(Lanes::splat(f32::NAN)));
+        assert!(
+            Lanes::from(A).all_equal(Lanes::from(A))
+                && !Lanes::splat(f32::NAN).all_equal(Lanes::splat(f32::NAN))
+        );
     }
 }

@@ -52,7 +52,10 @@ mod tests {
     #[test]
     fn the_least_of_five_distances() {
         let plane = |d| Plane { normal: Vec3::X, d };
-        let quads = PlaneQuads::new(&[plane(4.0), plane(3.0), plane(9.0), plane(7.0), plane(5.0)], f32::INFINITY);
+        let quads = PlaneQuads::new(
+            &[plane(4.0), plane(3.0), plane(9.0), plane(7.0), plane(5.0)],
+            f32::INFINITY,
+        );
         assert_eq!(quads.quads().len(), 2);
         assert_eq!(quads.least_distance(Vec3::new(0.5, 8.0, 9.0)), 3.5);
         assert_eq!(PlaneQuads::default().least_distance(Vec3::ZERO), f32::INFINITY);

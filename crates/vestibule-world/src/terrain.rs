@@ -95,9 +95,8 @@ impl TerrainPolygon {
     #[inline]
     pub fn contains_2d(&self, p: Vec3) -> bool {
         let [a, b, c] = self.vertices;
-        let beyond = |prev: Vec3, cur: Vec3| {
-            (cur.x - prev.x) * (p.y - cur.y) - (cur.y - prev.y) * (p.x - cur.x) > 0.0
-        };
+        let beyond =
+            |prev: Vec3, cur: Vec3| (cur.x - prev.x) * (p.y - cur.y) - (cur.y - prev.y) * (p.x - cur.x) > 0.0;
         !(beyond(a, c) | beyond(c, b) | beyond(b, a))
     }
 
