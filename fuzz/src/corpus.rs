@@ -67,14 +67,9 @@ fn main() -> Result<(), Failure> {
     for (i, text) in texts.iter().enumerate() {
         write(&out, "text", &i.to_string(), text.as_bytes())?;
     }
-    let scenes = concat!(env!("CARGO_MANIFEST_DIR"), "/../worlds");
-    for folder in std::fs::read_dir(scenes).into_iter().flatten().flatten() {
-        for file in std::fs::read_dir(folder.path()).into_iter().flatten().flatten() {
-            if file.path().extension().is_some_and(|e| e == "scene") {
-                let text = std::fs::read(file.path())?;
-                write(&out, "scene", &file.file_name().to_string_lossy(), &text)?;
-            }
-        }
+    for (path, text) in vestibule_forge::EMBEDDED_SCENE {
+        let name = path.rsplit('/').next().unwrap_or(path);
+        write(&out, "scene", name, text.as_bytes())?;
     }
     let mut draws = hostile::Draws(7);
     for i in 0..40 {

@@ -87,6 +87,13 @@ impl Error {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0.kind {
+            ErrorKind::MissingFile => return write!(f, "there is no {}", self.0.file),
+            ErrorKind::Io(e) if self.0.field == "folder" => {
+                return write!(f, "cannot read the folder {}: {e}", self.0.file);
+            }
+            _ => {}
+        }
         if let Some(id) = self.0.id {
             write!(f, "record 0x{id:08X}: ")?;
         }

@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum ExploreError {
     /// There is no display to open a window on.
-    #[error("cannot open a window: {0} (is there a display? `vestibule render` makes pictures without one)")]
+    #[error("cannot open a window: {0}")]
     NoDisplay(String),
     /// The window system ended the program.
     #[error("the window system failed: {0}")]

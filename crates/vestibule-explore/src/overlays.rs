@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use vestibule_physics::Body;
 use vestibule_view::{Camera, FrameView};
-use vestibule_world::{BoundingBox, CellId, EnvCell, World};
+use vestibule_world::{BoundingBox, CellId, EnvCell, Frame, Shape, World};
 
 use crate::portals::{self, Verdict};
 
@@ -377,20 +377,7 @@ impl<'a> Marks<'a> {
                     continue;
                 };
                 let eye = self.camera.eye_in(object.cell.block());
-                for (part, frame) in object.shape.parts.iter().zip(&object.part_frames) {
-                    let Some(physics) = part.model.as_ref().and_then(|m| m.physics.as_ref()) else {
-                        continue;
-                    };
-                    for polygon in physics.polygons().polygons() {
-                        let corners: Vec<Vec3> = physics
-                            .polygons()
-                            .vertices(polygon)
-                            .iter()
-                            .map(|v| frame.local_to_global(*v * part.scale) - eye)
-                            .collect();
-                        self.polygon(&corners, with_alpha(OBJECTS, 190), 1.0, [0; 4]);
-                    }
-                }
+                self.shape(&object.shape, &object.part_frames, eye, with_alpha(OBJECTS, 190));
             }
         }
         let Some(block) = world.loaded_block(player.block()) else {
@@ -398,20 +385,27 @@ impl<'a> Marks<'a> {
         };
         let eye = self.camera.eye_in(block.id);
         for building in &block.buildings {
-            let parts = building.shape.parts.iter().zip(&building.part_frames);
-            for (part, frame) in parts {
-                let Some(physics) = part.model.as_ref().and_then(|m| m.physics.as_ref()) else {
-                    continue;
-                };
-                for polygon in physics.polygons().polygons() {
-                    let corners: Vec<Vec3> = physics
-                        .polygons()
-                        .vertices(polygon)
-                        .iter()
-                        .map(|v| frame.local_to_global(*v * part.scale) - eye)
-                        .collect();
-                    self.polygon(&corners, with_alpha(SHELLS, 150), 1.0, [0; 4]);
-                }
+            self.shape(
+                &building.shape,
+                &building.part_frames,
+                eye,
+                with_alpha(SHELLS, 150),
+            );
+        }
+    }
+
+    /// The polygons of a shape that collide.
+    fn shape(&mut self, shape: &Shape, part_frames: &[Frame], eye: Vec3, color: [u8; 4]) {
+        for (part, frame) in shape.parts.iter().zip(part_frames) {
+            let Some(physics) = part.model.as_ref().and_then(|m| m.physics.as_ref()) else {
+                continue;
+            };
+            for polygon in physics.polygons().polygons() {
+                let vertices = physics.polygons().vertices(polygon).iter();
+                let corners: Vec<Vec3> = vertices
+                    .map(|v| frame.local_to_global(*v * part.scale) - eye)
+                    .collect();
+                self.polygon(&corners, color, 1.0, [0; 4]);
             }
         }
     }

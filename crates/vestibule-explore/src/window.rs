@@ -53,13 +53,21 @@ pub struct Options {
 /// Looks on after every frame. An error is told in the window, and ends the looking on.
 pub type Watch = Box<dyn FnMut(&Explorer) -> Result<(), String>>;
 
+/// What the window system says, without the place in its own source that it begins with.
+fn plain(said: &str) -> String {
+    let says = said
+        .strip_prefix("os error at ")
+        .and_then(|rest| rest.split_once(": "));
+    says.map_or(said, |(_, says)| says).to_owned()
+}
+
 /// Opens the window and runs until it is closed.
 ///
 /// # Errors
 /// When there is no display, or nothing can be drawn into the window. What goes wrong with the world is shown in the
 /// window first, and is the error once it is closed.
 pub fn run(options: Options) -> Result<(), ExploreError> {
-    let event_loop = EventLoop::new().map_err(|e| ExploreError::NoDisplay(e.to_string()))?;
+    let event_loop = EventLoop::new().map_err(|e| ExploreError::NoDisplay(plain(&e.to_string())))?;
     event_loop.set_control_flow(ControlFlow::Poll);
     let mut app = App {
         phase: Phase::Loading(loading::start(options.open), "opening the world".to_owned(), 0.0),
@@ -191,7 +199,7 @@ impl App {
             .with_inner_size(winit::dpi::LogicalSize::new(self.size.0, self.size.1));
         let window = event_loop
             .create_window(attributes)
-            .map_err(|e| ExploreError::NoDisplay(e.to_string()))?;
+            .map_err(|e| ExploreError::NoDisplay(plain(&e.to_string())))?;
         let window = Arc::new(window);
         let (screen, notice) = screen(event_loop, &window, self.adapter, self.cpu.as_deref())?;
         self.note(&screen, notice);
@@ -506,5 +514,18 @@ impl ApplicationHandler for App {
             }
             _ => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn what_the_window_system_says_is_without_its_source() {
+        let said =
+            "os error at /home/me/.cargo/winit/mod.rs:765: neither DISPLAY nor WAYLAND_DISPLAY is set.";
+        assert_eq!(super::plain(said), "neither DISPLAY nor WAYLAND_DISPLAY is set.");
+        let said = r"os error at C:\cargo\winit\mod.rs:1: no";
+        assert_eq!(super::plain(said), "no");
+        assert_eq!(super::plain("something: else"), "something: else");
     }
 }

@@ -7,19 +7,19 @@ use crate::text::Diagnostics;
 pub const EMBEDDED_SCENE: [(&str, &str); 4] = [
     (
         "worlds/hollow/1-land.scene",
-        include_str!("../../../worlds/hollow/1-land.scene"),
+        include_str!("../worlds/hollow/1-land.scene"),
     ),
     (
         "worlds/hollow/2-things.scene",
-        include_str!("../../../worlds/hollow/2-things.scene"),
+        include_str!("../worlds/hollow/2-things.scene"),
     ),
     (
         "worlds/hollow/3-village.scene",
-        include_str!("../../../worlds/hollow/3-village.scene"),
+        include_str!("../worlds/hollow/3-village.scene"),
     ),
     (
         "worlds/hollow/4-mine.scene",
-        include_str!("../../../worlds/hollow/4-mine.scene"),
+        include_str!("../worlds/hollow/4-mine.scene"),
     ),
 ];
 

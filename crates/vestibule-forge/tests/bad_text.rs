@@ -2,14 +2,12 @@
 
 use vestibule_forge::{EMBEDDED_SCENE, compile_scene};
 
+mod common;
+use common::random::Random;
+
 /// Damages a text: words swapped, dropped, doubled, numbers made huge, characters changed.
-fn damaged(text: &str, state: &mut u64) -> String {
-    let mut next = |limit: usize| {
-        *state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (*state >> 33) as usize % limit.max(1)
-    };
+fn damaged(text: &str, random: &mut Random) -> String {
+    let mut next = |limit: usize| random.below(limit);
     let mut words: Vec<&str> = text.split_inclusive([' ', '\n']).collect();
     let odd = [
         "(0 0 0) ", "1e300 ", "-1e-300 ", "~ ", "{\n", "}\n", "( ", ") ", "\" ", "0x ", "0xFFFF ", "é ",
@@ -49,15 +47,15 @@ fn damaged_scenes_never_panic() {
         dungeon d 0x0101 { room x id 0x0100 { box (0 0 0) (4 4 3) } room y { poly (4 0 0) (4 4 0) (8 2 1)
             poly (4 0 0) (4 0 3) (4 4 3) (4 4 0); ramp (4 0 0) (6 4 1) east 2 } opening x y; portal x y; window x }
         start in d x at (1 1 0)\n";
-    let mut state = 7;
+    let mut random = Random(7);
     let mut compiled = 0;
     for _ in 0..3000 {
-        let text = damaged(small, &mut state);
+        let text = damaged(small, &mut random);
         compiled += usize::from(compile_scene("damaged.scene", &text).is_ok());
     }
     assert!(compiled < 3000);
     let thing = EMBEDDED_SCENE[3].1;
     for _ in 0..60 {
-        let _ = compile_scene("damaged.scene", &damaged(thing, &mut state));
+        let _ = compile_scene("damaged.scene", &damaged(thing, &mut random));
     }
 }

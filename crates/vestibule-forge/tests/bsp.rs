@@ -5,39 +5,13 @@ use vestibule_dat::record::{BspNode, BspTree};
 use vestibule_forge::bsp::{Piece, bounding_sphere, cell_bsp, drawing_bsp, inward_planes, physics_bsp};
 use vestibule_forge::geometry::{Polygon, Polytope, carve, convex_parts, merge_convex, union_faces};
 
-/// A small generator: the tests do the same everywhere.
-struct Random(u64);
+mod common;
+use common::random::Random;
 
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) as f64) / (1u64 << 31) as f64
-    }
-
-    fn between(&mut self, a: f64, b: f64) -> f64 {
-        a + (b - a) * self.next()
-    }
-
-    fn point(&mut self, reach: f64) -> DVec3 {
-        DVec3::new(
-            self.between(-reach, reach),
-            self.between(-reach, reach),
-            self.between(-reach, reach),
-        )
-    }
-
-    fn turn(&mut self) -> DQuat {
-        let q = DQuat::from_xyzw(
-            self.between(-1.0, 1.0),
-            self.between(-1.0, 1.0),
-            self.between(-1.0, 1.0),
-            self.between(0.1, 1.0),
-        );
-        q.normalize()
-    }
+fn turn(random: &mut Random) -> DQuat {
+    let mut side = || random.between(-1.0, 1.0);
+    let (x, y, z) = (side(), side(), side());
+    DQuat::from_xyzw(x, y, z, random.between(0.1, 1.0)).normalize()
 }
 
 /// A random solid's surface, facing outwards: a hull, a prism over a bent outline, or boxes run into each other.
@@ -77,7 +51,7 @@ fn surface(random: &mut Random, kind: usize) -> Vec<Polygon> {
             })
             .collect(),
     };
-    let turn = random.turn();
+    let turn = turn(random);
     let moved: Vec<Polytope> = parts.iter().filter_map(|p| p.mapped(|p| turn * p)).collect();
     union_faces(&moved).into_iter().map(|f| f.polygon).collect()
 }

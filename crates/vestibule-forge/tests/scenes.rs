@@ -7,26 +7,7 @@ use vestibule_world::{EnvCell, PortalTarget, World};
 
 mod common;
 use common::eye::{points_inside, portal_points, seen};
-
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) as f64) / (1u64 << 31) as f64
-    }
-
-    fn between(&mut self, a: f64, b: f64) -> f64 {
-        ((a + (b - a) * self.next()) * 100.0).round() / 100.0
-    }
-
-    fn chance(&mut self, share: f64) -> bool {
-        self.next() < share
-    }
-}
+use common::random::Random;
 
 /// A dungeon of rooms on a grid: boxes, octagons, bent halls and hulls, joined by passages, some sloping, turned as a
 /// whole; and a house with a random door.
@@ -36,12 +17,12 @@ fn scene(random: &mut Random) -> String {
     let turn = if random.chance(0.3) {
         0.0
     } else {
-        random.between(-180.0, 180.0)
+        random.rounded(-180.0, 180.0)
     };
     let tilt = if random.chance(0.7) {
         0.0
     } else {
-        random.between(-20.0, 20.0)
+        random.rounded(-20.0, 20.0)
     };
     writeln!(
         text,
@@ -51,7 +32,7 @@ fn scene(random: &mut Random) -> String {
     for x in 0..columns {
         for y in 0..rows {
             let (cx, cy) = (f64::from(x) * 12.0, f64::from(y) * 12.0);
-            let height = random.between(3.0, 5.0);
+            let height = random.rounded(3.0, 5.0);
             let body = match (random.next() * 4.0) as u32 {
                 0 => format!(
                     "box ({} {} 0) ({} {} {height})",
@@ -86,7 +67,7 @@ fn scene(random: &mut Random) -> String {
                 ),
             };
             writeln!(text, "    room r{x}_{y} {{ {body} }}").unwrap();
-            let (w, h) = (random.between(0.6, 1.3), random.between(2.0, 2.8));
+            let (w, h) = (random.rounded(0.6, 1.3), random.rounded(2.0, 2.8));
             if x + 1 < columns && random.chance(0.8) {
                 let (x0, x1) = (cx + 4.0, cx + 8.0);
                 writeln!(
@@ -121,8 +102,8 @@ fn scene(random: &mut Random) -> String {
             }
         }
     }
-    let (w, lean) = (random.between(0.7, 1.2), random.between(-0.2, 0.2));
-    let turn = random.between(-180.0, 180.0);
+    let (w, lean) = (random.rounded(0.7, 1.2), random.rounded(-0.2, 0.2));
+    let turn = random.rounded(-180.0, 180.0);
     writeln!(
         text,
         "}}\nbuilding h at (12 12 ~0.05) turn {turn} {{

@@ -1,6 +1,7 @@
 //! The offset of a step, bent by the plane stood on and the wall slid along (`transition.md` 4.2).
 
 use glam::Vec3;
+use vestibule_world::Lanes;
 
 use crate::constants::EPSILON;
 use crate::math::normalised;
@@ -16,7 +17,8 @@ impl Transition<'_, '_> {
         if !self.info.contact.valid {
             return if slide { v - s * v.dot(s) } else { v };
         }
-        let adjusted = along_planes(v, self.info.contact.plane.normal, slide.then_some(s));
+        let plane = Lanes::of_plane(&self.info.contact.plane);
+        let adjusted = along_planes(v.into(), plane, slide.then_some(s)).xyz();
         self.safety_push();
         adjusted
     }
@@ -40,20 +42,20 @@ impl Transition<'_, '_> {
     }
 }
 
-/// An offset bent by the plane stood on, with normal `n`, and the wall slid along, if any.
+/// An offset bent by the plane stood on and the wall slid along, if any.
 #[inline(always)]
-pub(crate) fn along_planes(v: Vec3, n: Vec3, wall: Option<Vec3>) -> Vec3 {
-    let k = v.dot(n);
+pub(crate) fn along_planes(v: Lanes, plane: Lanes, wall: Option<Vec3>) -> Lanes {
+    let k = v.dot(plane);
     if let Some(s) = wall {
         // Along the crease of floor and wall.
-        match normalised(n.cross(s)) {
-            Some(crease) => crease * crease.dot(v),
-            None => Vec3::ZERO,
+        match normalised(plane.xyz().cross(s)) {
+            Some(crease) => (crease * crease.dot(v.xyz())).into(),
+            None => Lanes::ZERO,
         }
     } else if k > 0.0 {
-        snap_to_plane(v, n)
+        snap_to_plane(v.xyz(), plane.xyz()).into()
     } else {
-        v - n * k
+        v - plane.with_fourth(0.0) * k
     }
 }
 

@@ -5,7 +5,7 @@
 //! recurse only where the sphere straddles.
 
 use glam::Vec3;
-use vestibule_world::{Child, ChildKind, Face, PhysicsBsp, PhysicsNode, SURE_OVERLAP, Sphere};
+use vestibule_world::{Child, ChildKind, Face, Lanes, PhysicsBsp, PhysicsNode, SURE_OVERLAP, Sphere};
 
 use crate::constants::{ADJUST_TO_PLANE_BUDGET, BISECTION_STOP, EPSILON};
 use crate::polygon::{self, Overlap};
@@ -62,32 +62,26 @@ fn reached_faces<'b>(bsp: &'b PhysicsBsp, leaf: usize, s: &Sphere) -> &'b [Face]
 #[inline(always)]
 pub(crate) fn sphere_intersects_poly<'b>(
     bsp: &'b PhysicsBsp,
-    s: &Sphere,
-    movement: Vec3,
+    s: Lanes,
+    movement: Lanes,
     named: &mut Option<&'b Face>,
 ) -> bool {
-    !bsp.certainly_clear(s.center, s.radius) && finds_poly(bsp, s, movement, named)
-}
-
-/// Whether the sphere overlaps no polygon, moved into or not.
-#[inline(always)]
-pub(crate) fn overlaps_nothing(bsp: &PhysicsBsp, s: &Sphere) -> bool {
-    !sphere_intersects_solid(bsp, s, false)
+    !bsp.certainly_clear(s) && finds_poly(bsp, s, movement, named)
 }
 
 #[inline(never)]
-fn finds_poly<'b>(bsp: &'b PhysicsBsp, s: &Sphere, movement: Vec3, named: &mut Option<&'b Face>) -> bool {
+fn finds_poly<'b>(bsp: &'b PhysicsBsp, s: Lanes, movement: Lanes, named: &mut Option<&'b Face>) -> bool {
     let mut hits = SureHits::default();
-    let unsure = bsp.any_face_near(s, false, |face| {
-        let overlap = polygon::overlap(face, bsp.edges(face), s);
+    let unsure = bsp.any_face_near(s, false, |face, distance| {
+        let overlap = polygon::overlap_at(face, bsp.edges(face), s, distance);
         overlap != Overlap::None && !(is_sure(bsp, face, overlap, s) && hits.add(face))
     });
     if unsure != Some(false) {
-        return intersects_poly(bsp, bsp.root, s, movement, named);
+        return intersects_poly(bsp, bsp.root, &s.into(), movement.xyz(), named);
     }
     for face in hits.in_order() {
         *named = Some(face);
-        if movement.dot(face.plane.normal) < 0.0 {
+        if movement.dot(Lanes::of_plane(&face.plane)) < 0.0 {
             return true;
         }
     }
@@ -140,13 +134,13 @@ enum Hits<'b> {
 /// The polygons that pass `filter` and overlap the sphere. With `only_up` those that hardly look up may be left
 /// out.
 #[inline]
-fn hits<'b>(bsp: &'b PhysicsBsp, s: &Sphere, only_up: bool, filter: impl Fn(&Face) -> bool) -> Hits<'b> {
+fn hits<'b>(bsp: &'b PhysicsBsp, s: Lanes, only_up: bool, filter: impl Fn(&Face) -> bool) -> Hits<'b> {
     let mut hit = None;
-    let several = bsp.any_face_near(s, only_up, |face| {
+    let several = bsp.any_face_near(s, only_up, |face, distance| {
         if !filter(face) {
             return false;
         }
-        let overlap = polygon::overlap(face, bsp.edges(face), s);
+        let overlap = polygon::overlap_at(face, bsp.edges(face), s, distance);
         overlap != Overlap::None && hit.replace((face, overlap)).is_some()
     });
     match (several, hit) {
@@ -157,12 +151,12 @@ fn hits<'b>(bsp: &'b PhysicsBsp, s: &Sphere, only_up: bool, filter: impl Fn(&Fac
 }
 
 /// Whether a walk is certain to reach a polygon that the sphere overlaps: when the overlap is deep enough.
-#[inline]
-fn is_sure(bsp: &PhysicsBsp, face: &Face, overlap: Overlap, s: &Sphere) -> bool {
+#[inline(always)]
+fn is_sure(bsp: &PhysicsBsp, face: &Face, overlap: Overlap, s: Lanes) -> bool {
     face.sound
         && match overlap {
-            Overlap::Inside(dist) => dist <= s.radius - (SURE_OVERLAP + EPSILON),
-            _ => polygon::hits_deeper(face, bsp.edges(face), s, SURE_OVERLAP),
+            Overlap::Inside(dist) => dist <= s.fourth() - (SURE_OVERLAP + EPSILON),
+            _ => polygon::hits_deeper(face, bsp.edges(face), &s.into(), SURE_OVERLAP),
         }
 }
 
@@ -209,43 +203,92 @@ fn intersects_poly<'b>(
 
 /// What [`find_walkable`] works on.
 pub(crate) struct WalkableSearch<'b> {
-    pub(crate) sphere: Sphere,
-    pub(crate) movement: Vec3,
-    pub(crate) up: Vec3,
+    /// Its radius in the fourth lane.
+    pub(crate) sphere: Lanes,
+    pub(crate) movement: Lanes,
+    pub(crate) up: Lanes,
     pub(crate) walkable_allowance: f32,
     pub(crate) walk_interp: f32,
     /// The last polygon the sphere was moved onto.
     pub(crate) found: Option<&'b Face>,
 }
 
-/// Moves the sphere back along its movement onto every polygon level enough to stand on, one after the other
-/// (6.6.2). Never stops early: the last success wins, and each polygon sees the sphere as the last one left it.
+/// What [`find_floor`] finds.
+pub(crate) struct Floor<'b> {
+    pub(crate) face: &'b Face,
+    /// It is the only one that looks up.
+    pub(crate) only: bool,
+    /// The sphere, moved.
+    pub(crate) sphere: Lanes,
+    pub(crate) walk_interp: f32,
+}
+
+/// As [`find_walkable`] for a whole movement.
 #[inline(always)]
-pub(crate) fn find_walkable<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>) {
-    let Some(face) = bsp.only_face_up().filter(|_| looks_up_only(search)) else {
-        return find_walkable_among(bsp, search);
-    };
+pub(crate) fn find_floor<'b>(
+    bsp: &'b PhysicsBsp,
+    sphere: Lanes,
+    movement: Lanes,
+    up: Lanes,
+    walkable_allowance: f32,
+) -> Option<Floor<'b>> {
     // Most rooms have one floor only.
-    let edges = bsp.edges(face);
-    if !(search.up.dot(face.plane.normal) > search.walkable_allowance) {
-        return;
+    if let Some(face) = bsp.only_face_up()
+        && looks_up_only(up, walkable_allowance)
+    {
+        let edges = bsp.edges(face);
+        if !(up.dot(Lanes::of_plane(&face.plane)) > walkable_allowance) {
+            return None;
+        }
+        let overlap = polygon::overlap(face, edges, sphere);
+        if overlap == Overlap::None {
+            return None;
+        }
+        let (mut moved, mut walk_interp) = (sphere, 1.0);
+        if !polygon::adjust_sphere_to_plane(&face.plane, &mut moved, movement, &mut walk_interp) {
+            return None;
+        }
+        // A walk reaches the face for certain; it finds no more if the moved sphere hits nothing.
+        if polygon::overlap(face, edges, moved) == Overlap::None && is_sure(bsp, face, overlap, sphere) {
+            return Some(Floor {
+                face,
+                only: true,
+                sphere: moved,
+                walk_interp,
+            });
+        }
     }
-    let overlap = polygon::overlap(face, edges, &search.sphere);
-    if overlap == Overlap::None {
-        return;
-    }
-    let before = (search.sphere, search.walk_interp);
-    if !rest_on(face, search) {
-        return;
-    }
-    let clear = polygon::overlap(face, edges, &search.sphere) == Overlap::None;
-    if !(clear && is_sure(bsp, face, overlap, &before.0)) {
-        walk_again(bsp, search, before);
-    }
+    find_floor_among(bsp, sphere, movement, up, walkable_allowance)
 }
 
 #[inline(never)]
-fn find_walkable_among<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>) {
+fn find_floor_among<'b>(
+    bsp: &'b PhysicsBsp,
+    sphere: Lanes,
+    movement: Lanes,
+    up: Lanes,
+    walkable_allowance: f32,
+) -> Option<Floor<'b>> {
+    let mut search = WalkableSearch {
+        sphere,
+        movement,
+        up,
+        walkable_allowance,
+        walk_interp: 1.0,
+        found: None,
+    };
+    find_walkable(bsp, &mut search);
+    search.found.map(|face| Floor {
+        face,
+        only: false,
+        sphere: search.sphere,
+        walk_interp: search.walk_interp,
+    })
+}
+
+/// Moves the sphere back along its movement onto every polygon level enough to stand on, one after the other
+/// (6.6.2). Never stops early: the last success wins, and each polygon sees the sphere as the last one left it.
+pub(crate) fn find_walkable<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>) {
     match walkable_hits(bsp, search) {
         Hits::None => {}
         Hits::One(face, overlap) => {
@@ -254,9 +297,9 @@ fn find_walkable_among<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>)
                 return;
             }
             // A walk reaches the face for certain; it finds no more if the moved sphere hits nothing.
-            let clear = bsp.certainly_clear(search.sphere.center, search.sphere.radius)
-                || matches!(walkable_hits(bsp, search), Hits::None);
-            if !(clear && is_sure(bsp, face, overlap, &before.0)) {
+            let clear =
+                bsp.certainly_clear(search.sphere) || matches!(walkable_hits(bsp, search), Hits::None);
+            if !(clear && is_sure(bsp, face, overlap, before.0)) {
                 walk_again(bsp, search, before);
             }
         }
@@ -266,7 +309,7 @@ fn find_walkable_among<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>)
 
 /// What is certain was not enough: the search by a walk, from where it began.
 #[inline(never)]
-fn walk_again<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>, before: (Sphere, f32)) {
+fn walk_again<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>, before: (Lanes, f32)) {
     (search.sphere, search.walk_interp) = before;
     search.found = None;
     walkable_below(bsp, bsp.root, search);
@@ -274,16 +317,16 @@ fn walk_again<'b>(bsp: &'b PhysicsBsp, search: &mut WalkableSearch<'b>, before: 
 
 /// Whether faces that hardly look up are too steep for certain.
 #[inline(always)]
-fn looks_up_only(search: &WalkableSearch<'_>) -> bool {
-    search.up.z > 0.9999 && search.walkable_allowance > 0.08
+fn looks_up_only(up: Lanes, walkable_allowance: f32) -> bool {
+    up.z() > 0.9999 && walkable_allowance > 0.08
 }
 
 /// The polygons level enough to stand on that the sphere of a search overlaps.
 fn walkable_hits<'b>(bsp: &'b PhysicsBsp, search: &WalkableSearch<'b>) -> Hits<'b> {
     let (up, allowance) = (search.up, search.walkable_allowance);
-    let only_up = looks_up_only(search);
-    hits(bsp, &search.sphere, only_up, |face| {
-        up.dot(face.plane.normal) > allowance
+    let only_up = looks_up_only(up, allowance);
+    hits(bsp, search.sphere, only_up, |face| {
+        up.dot(Lanes::of_plane(&face.plane)) > allowance
     })
 }
 
@@ -303,10 +346,10 @@ fn walkable_below<'b>(bsp: &'b PhysicsBsp, mut at: Child, search: &mut WalkableS
         match at.kind() {
             ChildKind::Absent => return,
             ChildKind::Leaf(leaf) => {
-                for face in reached_faces(bsp, leaf, &search.sphere) {
+                for face in reached_faces(bsp, leaf, &search.sphere.into()) {
                     let edges = bsp.edges(face);
-                    let (up, allowance) = (search.up, search.walkable_allowance);
-                    if polygon::walkable_hits_sphere(face, edges, &search.sphere, up, allowance) {
+                    let (up, allowance) = (search.up.xyz(), search.walkable_allowance);
+                    if polygon::walkable_hits_sphere(face, edges, &search.sphere.into(), up, allowance) {
                         rest_on(face, search);
                     }
                 }
@@ -316,7 +359,7 @@ fn walkable_below<'b>(bsp: &'b PhysicsBsp, mut at: Child, search: &mut WalkableS
                 let Some(node) = bsp.nodes().get(index) else {
                     return;
                 };
-                match reach(node, &search.sphere, search.sphere.radius) {
+                match reach(node, &search.sphere.into(), search.sphere.fourth()) {
                     Reach::None => return,
                     Reach::Positive => at = node.positive,
                     Reach::Negative => at = node.negative,
@@ -389,25 +432,48 @@ pub fn point_intersects_solid(bsp: &PhysicsBsp, p: Vec3) -> bool {
 
 /// Whether the sphere overlaps a polygon, or its centre a solid leaf when `center_check` (6.3.2).
 #[inline(always)]
-pub(crate) fn sphere_intersects_solid(bsp: &PhysicsBsp, s: &Sphere, center_check: bool) -> bool {
+pub(crate) fn sphere_intersects_solid(bsp: &PhysicsBsp, s: Lanes, center_check: bool) -> bool {
     let hollow = !center_check || bsp.open_is_hollow();
-    !(hollow && bsp.certainly_clear(s.center, s.radius)) && finds_solid(bsp, s, center_check)
+    !(hollow && bsp.certainly_clear(s)) && finds_solid(bsp, s, center_check)
 }
 
 #[inline(never)]
-fn finds_solid(bsp: &PhysicsBsp, s: &Sphere, center_check: bool) -> bool {
+fn finds_solid(bsp: &PhysicsBsp, s: Lanes, center_check: bool) -> bool {
     let mut hit = false;
-    let sure = bsp.any_face_near(s, false, |face| {
-        let overlap = polygon::overlap(face, bsp.edges(face), s);
+    let sure = bsp.any_face_near(s, false, |face, distance| {
+        let overlap = polygon::overlap_at(face, bsp.edges(face), s, distance);
         hit |= overlap != Overlap::None;
         overlap != Overlap::None && is_sure(bsp, face, overlap, s)
     });
     match sure {
         Some(true) => true,
         Some(false) if !hit => {
-            center_check && !bsp.is_certainly_hollow_at(s.center) && center_is_solid(bsp, s)
+            center_check && !bsp.is_certainly_hollow_around(s, 0.0) && center_is_solid(bsp, &s.into())
         }
-        _ => solid(bsp, bsp.root, s, center_check),
+        _ => solid(bsp, bsp.root, &s.into(), center_check),
+    }
+}
+
+/// How far the sphere may be shifted and certainly overlaps no polygon, its centre in nothing solid, metres. Zero:
+/// it overlaps none where it is, and more is not known. Below zero: it overlaps some.
+#[inline(always)]
+pub(crate) fn clearance(bsp: &PhysicsBsp, s: Lanes) -> f32 {
+    /// Farther than a body is lifted that stood before.
+    const REACH: f32 = 0.01;
+    if bsp.certainly_clear(s) {
+        return 0.0;
+    }
+    match bsp.clearance(s) {
+        Some(d) if bsp.is_certainly_hollow_around(s, REACH) => {
+            if d < REACH {
+                d
+            } else {
+                REACH
+            }
+        }
+        Some(_) => 0.0,
+        None if finds_solid(bsp, s, false) => -1.0,
+        None => 0.0,
     }
 }
 
@@ -565,7 +631,7 @@ pub(crate) fn adjust_to_plane(bsp: &PhysicsBsp, check: &Sphere, curr: Vec3, stru
         if t == 1.0 {
             break;
         }
-        if !sphere_intersects_poly(bsp, &at(t), m, &mut poly) {
+        if !sphere_intersects_poly(bsp, at(t).into(), m.into(), &mut poly) {
             lower = t;
             break;
         }
@@ -577,7 +643,7 @@ pub(crate) fn adjust_to_plane(bsp: &PhysicsBsp, check: &Sphere, curr: Vec3, stru
     }
     while i < ADJUST_TO_PLANE_BUDGET {
         let mid = (lower + upper) / 2.0;
-        if sphere_intersects_poly(bsp, &at(mid), m, &mut poly) {
+        if sphere_intersects_poly(bsp, at(mid).into(), m.into(), &mut poly) {
             upper = mid;
         } else {
             lower = mid;

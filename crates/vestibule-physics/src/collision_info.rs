@@ -64,7 +64,7 @@ impl CollisionInfo {
     pub(crate) fn set_collision_normal(&mut self, n: Vec3) {
         self.collision = NormalSlot {
             valid: true,
-            normal: normalised(n).unwrap_or(Vec3::ZERO),
+            normal: collision_normal(n),
         };
     }
 
@@ -79,10 +79,9 @@ impl CollisionInfo {
 
     #[inline]
     pub(crate) fn set_sliding_normal(&mut self, n: Vec3) {
-        let flat = Vec3::new(n.x, n.y, 0.0);
         self.sliding = NormalSlot {
             valid: true,
-            normal: normalised(flat).unwrap_or(Vec3::ZERO),
+            normal: sliding_normal(n),
         };
     }
 
@@ -110,6 +109,18 @@ impl CollisionInfo {
             cell,
         };
     }
+}
+
+/// What is noted of the normal of something run into (2.3.3).
+#[inline]
+pub(crate) fn collision_normal(n: Vec3) -> Vec3 {
+    normalised(n).unwrap_or(Vec3::ZERO)
+}
+
+/// What the next move slides along after running into something with this normal (2.3.4).
+#[inline]
+pub(crate) fn sliding_normal(n: Vec3) -> Vec3 {
+    normalised(Vec3::new(n.x, n.y, 0.0)).unwrap_or(Vec3::ZERO)
 }
 
 #[cfg(test)]

@@ -61,10 +61,11 @@ impl<'w> Transition<'w, '_> {
     #[inline(always)]
     fn is_in_open_space(&self, cell: &EnvCell) -> bool {
         let path = &self.path;
+        let clear = |s: &Sphere| cell.hints.certainly_clear(s.center.into(), s.radius);
         // Spheres that turn do so one step after the candidate (3.5.4): what collides is not where they are.
         if !self.keeps_shape
             || path.check_pos.cell.block() != cell.id.block()
-            || !cell.hints.certainly_clear(&path.global_sphere[0])
+            || !clear(&path.global_sphere[0])
         {
             return false;
         }
@@ -73,7 +74,7 @@ impl<'w> Transition<'w, '_> {
             return false;
         }
         let foot_only = path.num_sphere < 2 || (path.step_down && !placing);
-        foot_only || cell.hints.certainly_clear(&path.global_sphere[1])
+        foot_only || clear(&path.global_sphere[1])
     }
 
     #[inline(never)]

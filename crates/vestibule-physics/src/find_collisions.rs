@@ -17,8 +17,9 @@ impl<'w> Transition<'w, '_> {
         let foot = path.localspace_foot;
         if path.insert_type == InsertType::Placement || path.obstruction_ethereal {
             let center_check = !(path.bldg_check && path.hits_interior_cell);
-            let hit = bsp_tree::sphere_intersects_solid(bsp, &foot, center_check)
-                || (two && bsp_tree::sphere_intersects_solid(bsp, &path.localspace_head(), center_check));
+            let hit = bsp_tree::sphere_intersects_solid(bsp, foot.into(), center_check)
+                || (two
+                    && bsp_tree::sphere_intersects_solid(bsp, path.localspace_head().into(), center_check));
             return if hit {
                 TransitionState::Collided
             } else {
@@ -36,8 +37,7 @@ impl<'w> Transition<'w, '_> {
         if path.step_down {
             return self.step_sphere_down(bsp);
         }
-        if !path.collide && bsp.certainly_clear(foot.center, foot.radius) && (!two || self.is_head_clear(bsp))
-        {
+        if !path.collide && bsp.certainly_clear(foot.into()) && (!two || self.is_head_clear(bsp)) {
             return TransitionState::Ok;
         }
         let path = &self.path;
@@ -46,7 +46,7 @@ impl<'w> Transition<'w, '_> {
             return self.rest_on_walkable(bsp, movement);
         }
         let mut foot_poly = None;
-        let foot_hit = bsp_tree::sphere_intersects_poly(bsp, &foot, movement, &mut foot_poly);
+        let foot_hit = bsp_tree::sphere_intersects_poly(bsp, foot.into(), movement.into(), &mut foot_poly);
         if self.object.is(ObjectState::CONTACT) {
             if let (true, Some(face)) = (foot_hit, foot_poly) {
                 return self.step_sphere_up(face);
@@ -55,8 +55,8 @@ impl<'w> Transition<'w, '_> {
                 let mut head_poly = None;
                 let head_hit = bsp_tree::sphere_intersects_poly(
                     bsp,
-                    &self.path.localspace_head(),
-                    movement,
+                    self.path.localspace_head().into(),
+                    movement.into(),
                     &mut head_poly,
                 );
                 match (head_hit, head_poly, foot_poly) {
@@ -85,7 +85,8 @@ impl<'w> Transition<'w, '_> {
         }
         if two {
             let mut head_poly = None;
-            bsp_tree::sphere_intersects_poly(bsp, &self.path.localspace_head(), movement, &mut head_poly);
+            let head = self.path.localspace_head();
+            bsp_tree::sphere_intersects_poly(bsp, head.into(), movement.into(), &mut head_poly);
             if let Some(face) = head_poly {
                 let n = self.path.localspace_vec_to_global(face.plane.normal);
                 self.info.set_collision_normal(n);
@@ -97,8 +98,7 @@ impl<'w> Transition<'w, '_> {
 
     #[inline(always)]
     fn is_head_clear(&self, bsp: &PhysicsBsp) -> bool {
-        let head = self.path.localspace_head();
-        bsp.certainly_clear(head.center, head.radius)
+        bsp.certainly_clear(self.path.localspace_head().into())
     }
 
     fn neg_poly_hit(&mut self, step_up: bool, face: &Face) {
@@ -118,13 +118,13 @@ impl<'w> Transition<'w, '_> {
     fn rest_on_walkable(&mut self, bsp: &'w PhysicsBsp, movement: glam::Vec3) -> TransitionState {
         let path = &self.path;
         let before = path.localspace_foot;
-        if bsp.certainly_clear(before.center, before.radius) {
+        if bsp.certainly_clear(before.into()) {
             return TransitionState::Ok;
         }
         let mut search = WalkableSearch {
-            sphere: before,
-            movement,
-            up: path.localspace_z,
+            sphere: before.into(),
+            movement: movement.into(),
+            up: path.localspace_z.into(),
             walkable_allowance: path.walkable_allowance,
             walk_interp: path.walk_interp,
             found: None,
@@ -135,13 +135,14 @@ impl<'w> Transition<'w, '_> {
         };
         self.path.walk_interp = search.walk_interp;
         let scale = self.path.localspace.scale;
-        let moved = search.sphere.center - before.center;
+        let rested = Sphere::from(search.sphere);
+        let moved = rested.center - before.center;
         let offset = self.path.localspace_vec_to_global(moved) * scale;
         let plane = self.contact_plane_of(bsp, face);
         self.path.add_offset_to_check_pos(offset);
         let cell = self.path.check_pos.cell;
         self.info.set_contact(plane, false, cell);
-        self.path.set_walkable(search.sphere, bsp, face);
+        self.path.set_walkable(rested, bsp, face);
         TransitionState::Adjusted
     }
 

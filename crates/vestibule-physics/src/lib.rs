@@ -72,6 +72,7 @@ mod object_info;
 mod placement;
 mod plain_land;
 mod plain_step;
+mod plain_walls;
 mod polygon;
 mod population;
 #[cfg(test)]

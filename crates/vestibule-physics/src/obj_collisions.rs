@@ -95,8 +95,8 @@ impl<'w> Transition<'w, '_> {
         {
             return false;
         }
-        let spheres = &self.path.global_sphere[..self.path.num_sphere];
-        let least = distance_to_statics(self.world.shadow_lists(block), cell, spheres);
+        let (shape, at) = (self.path.shape(), self.path.candidate());
+        let least = distance_to_statics(self.world.shadow_lists(block), cell, &shape, &at);
         if least > 0.0 {
             self.statics_calm = StaticsCalm {
                 cell,

@@ -8,297 +8,350 @@
 
 use glam::Vec3;
 use vestibule_world::{
-    CellEntry, CellId, CylSphere, EnvCell, Frame, Landblock, PhysicsBsp, Plane, Position, ShadowLists,
-    Sphere, StaticObject, StaticReach, TransitHints, World, certain_rooms,
+    CellArray, CellEntry, CellId, CylSphere, EnvCell, Frame, Landblock, Lanes, PhysicsBsp, Position,
+    ShadowLists, Sphere, StaticObject, TransitHints, World, certain_rooms,
 };
 
 use crate::adjust_offset::along_planes;
-use crate::bsp_tree::{self, WalkableSearch};
+use crate::bsp_tree::{self, Floor};
+use crate::collision_info::sliding_normal;
 use crate::constants::{EPSILON, FLOOR_Z};
 use crate::cylsphere::overlaps_cylinder;
 use crate::flags::{ObjectState, PhysicsState};
-use crate::math::{length, normalised};
+use crate::math::normalised;
 use crate::plain_land::plain_step_on_land;
+use crate::plain_walls::{Known, Slide};
 use crate::polygon;
 use crate::population::Population;
 use crate::sphere::overlaps_sphere;
 use crate::sphere_path::Arms;
 use crate::sweep::{Carried, ContactPlane, Mover, Scratch, Swept};
-use crate::transition::BuiltArray;
 
 /// A floor found below a candidate.
 pub(crate) struct OpenFloor {
     /// What takes the lowered candidate back up.
-    pub(crate) offset: Vec3,
+    pub(crate) offset: Lanes,
     /// The floor's plane in the frame of the cell's landblock.
-    pub(crate) plane: Plane,
+    pub(crate) plane: Lanes,
     pub(crate) walk_interp: f32,
 }
 
-/// A candidate: the origin of its position, its spheres in the frame of the landblock, and where they are relative
-/// to the origin.
+/// The spheres of a mover, as it is turned.
+#[derive(Clone, Copy)]
+pub(crate) struct Shape {
+    /// Where they are relative to the origin, radii in the fourth lanes.
+    pub(crate) arms: [Lanes; 2],
+    pub(crate) two: bool,
+}
+
+impl Shape {
+    /// The radius of its larger sphere, metres.
+    #[inline(always)]
+    fn larger_radius(&self) -> f32 {
+        let [foot, head] = self.arms.map(Lanes::fourth);
+        if self.two && head > foot { head } else { foot }
+    }
+
+    /// How many spheres it has.
+    #[inline(always)]
+    pub(crate) fn count(&self) -> usize {
+        1 + usize::from(self.two)
+    }
+}
+
+/// Where a candidate is: its origin and its spheres in the frame of the landblock, radii in the fourth lanes.
 #[derive(Clone, Copy)]
 pub(crate) struct Candidate {
-    pub(crate) origin: Vec3,
-    pub(crate) spheres: [Sphere; 2],
-    pub(crate) arms: [Vec3; 2],
-    pub(crate) count: usize,
+    pub(crate) origin: Lanes,
+    pub(crate) spheres: [Lanes; 2],
 }
 
 impl Candidate {
+    /// Spheres where the origin says (retail `set_check_pos`).
     #[inline(always)]
-    pub(crate) fn shift(&mut self, v: Vec3) {
+    pub(crate) fn at(origin: Lanes, shape: &Shape) -> Self {
+        Candidate {
+            origin,
+            spheres: shape.arms.map(|arm| origin + arm),
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn shift(&mut self, v: Lanes) {
         self.origin += v;
-        self.spheres[0].center += v;
-        self.spheres[1].center += v;
+        self.spheres[0] += v;
+        self.spheres[1] += v;
     }
 
+    /// Whether another pose is the same to the bit.
     #[inline(always)]
-    pub(crate) fn spheres(&self) -> &[Sphere] {
-        self.spheres.get(..self.count).unwrap_or(&self.spheres)
+    pub(crate) fn has_bits_of(&self, other: &Candidate) -> bool {
+        self.origin.has_bits_of(other.origin)
+            && self.spheres[0].has_bits_of(other.spheres[0])
+            && self.spheres[1].has_bits_of(other.spheres[1])
     }
 
-    /// Sphere `i` as the cell's polygons see it (retail `cache_localspace_sphere`).
+    /// Its spheres.
     #[inline(always)]
-    pub(crate) fn local(&self, cell: &EnvCell, i: usize) -> Sphere {
-        let center = cell.frame.global_to_local(self.origin + self.arms[i]);
-        Sphere::new(center, self.spheres[i].radius)
+    pub(crate) fn spheres(&self) -> [Sphere; 2] {
+        self.spheres.map(Sphere::from)
+    }
+
+    /// Sphere `i` in a local frame, as polygons see it (retail `cache_localspace_sphere`).
+    #[inline(always)]
+    pub(crate) fn local(&self, shape: &Shape, frame: &Frame, i: usize) -> Lanes {
+        local_center(self.origin, shape, frame, i).with_fourth(shape.arms[i].fourth())
     }
 
     /// Whether another pose is less than `distance` away.
     #[inline(always)]
     pub(crate) fn is_within(&self, pose: &Candidate, distance: f32) -> bool {
-        let shift = pose.spheres[0].center - self.spheres[0].center;
+        let shift = pose.spheres[0] - self.spheres[0];
         shift.dot(shift) < distance * distance
     }
 
     /// Whether an insertion finds nothing of a part of a static object.
-    fn clears_part(&self, frame: &Frame, bsp: &PhysicsBsp, bound: &Sphere, placing: bool) -> bool {
-        let local = |i: usize| {
-            Sphere::new(
-                frame.global_to_local(self.origin + self.arms[i]),
-                self.spheres[i].radius,
-            )
-        };
-        if !(0..self.count).any(|i| bsp_tree::spheres_overlap(bound, &local(i))) {
-            return true;
-        }
-        (0..self.count).all(|i| {
-            if placing {
-                !bsp_tree::sphere_intersects_solid(bsp, &local(i), true)
-            } else {
-                bsp_tree::overlaps_nothing(bsp, &local(i))
-            }
-        })
+    pub(crate) fn clears_part(
+        &self,
+        shape: &Shape,
+        frame: &Frame,
+        bsp: &PhysicsBsp,
+        bound: &Sphere,
+        placing: bool,
+    ) -> bool {
+        let local = [self.local(shape, frame, 0), self.local(shape, frame, 1)];
+        let local = local.get(..shape.count()).unwrap_or(&local);
+        let reached = local.iter().any(|&s| bsp_tree::spheres_overlap(bound, &s.into()));
+        !reached
+            || local
+                .iter()
+                .all(|&s| !bsp_tree::sphere_intersects_solid(bsp, s, placing))
     }
 
-    /// Whether a moving insertion into the cell finds nothing.
+    /// How far it may be shifted and neither a moving nor a placement insertion into the cell finds anything, metres.
+    /// Zero: a moving one finds nothing where it is. Below zero: it finds something.
     #[inline(always)]
-    fn is_clear(&self, cell: &EnvCell) -> bool {
-        self.is_in_the_open(cell) || {
-            // A copy, so that the candidate itself can stay in registers.
-            let at = *self;
-            at.overlaps_nothing(cell)
+    fn clearance(&self, shape: &Shape, cell: &EnvCell) -> f32 {
+        if self.is_in_the_open(shape, cell) {
+            0.0
+        } else {
+            clearance(*shape, self.origin, cell)
         }
     }
 
     /// Whether the cell's box of open space holds all spheres.
     #[inline(always)]
-    fn is_in_the_open(&self, cell: &EnvCell) -> bool {
-        let [foot, head] = &self.spheres;
-        cell.hints.certainly_clear(foot) && (self.count < 2 || cell.hints.certainly_clear(head))
-    }
-
-    #[inline(never)]
-    fn overlaps_nothing(&self, cell: &EnvCell) -> bool {
-        let Some(bsp) = &cell.structure.physics else {
-            return true;
+    pub(crate) fn is_in_the_open(&self, shape: &Shape, cell: &EnvCell) -> bool {
+        let clear = |i: usize| {
+            cell.hints
+                .certainly_clear(self.spheres[i], shape.arms[i].fourth())
         };
-        (0..self.count).all(|i| bsp_tree::overlaps_nothing(bsp, &self.local(cell, i)))
+        clear(0) && (!shape.two || clear(1))
     }
 
     /// Whether the rest of a step down onto a floor finds nothing of a cell: another attempt, which asks whether the
     /// foot overlaps ground, and the placement insertion, which asks whether any sphere overlaps anything.
     #[inline(always)]
-    pub(crate) fn rests_in(&self, cell: &EnvCell) -> bool {
-        (cell.hints.open_is_hollow() && self.is_in_the_open(cell)) || {
-            let at = *self;
-            at.touches_nothing_solid(cell)
-        }
-    }
-
-    #[inline(never)]
-    fn touches_nothing_solid(&self, cell: &EnvCell) -> bool {
-        let Some(bsp) = &cell.structure.physics else {
-            return true;
-        };
-        (0..self.count).all(|i| !bsp_tree::sphere_intersects_solid(bsp, &self.local(cell, i), true))
+    pub(crate) fn rests_in(&self, shape: &Shape, cell: &EnvCell) -> bool {
+        (cell.hints.open_is_hollow() && self.is_in_the_open(shape, cell))
+            || touches_nothing_solid(*shape, self.origin, cell)
     }
 
     /// As [`Candidate::rests_in`] for other cells that the candidate reaches, none of which keeps anyone out.
     #[inline(always)]
-    pub(crate) fn rests_beside(&self, block: &Landblock, others: &[CellEntry]) -> bool {
+    pub(crate) fn rests_beside(&self, shape: &Shape, block: &Landblock, others: &[CellEntry]) -> bool {
         for entry in others {
             let Some(other) = block.env_cell(entry.id) else {
                 return false;
             };
-            if other.restriction.is_some() || !self.rests_in(other) {
+            if other.restriction.is_some() || !self.rests_in(shape, other) {
                 return false;
             }
         }
         true
     }
+}
 
-    /// Where its spheres are.
-    #[inline(always)]
-    pub(crate) fn centers(&self) -> [Vec3; 2] {
-        [self.spheres[0].center, self.spheres[1].center]
+/// Centre of sphere `i` in a local frame.
+#[inline(always)]
+pub(crate) fn local_center(origin: Lanes, shape: &Shape, frame: &Frame, i: usize) -> Lanes {
+    frame.turned_in(origin + shape.arms[i] - Lanes::from(frame.origin))
+}
+
+#[inline(always)]
+fn local_sphere(origin: Lanes, shape: &Shape, frame: &Frame, i: usize) -> Lanes {
+    local_center(origin, shape, frame, i).with_fourth(shape.arms[i].fourth())
+}
+
+// By value, here and below: what is behind a reference is not kept in registers.
+#[inline(never)]
+fn clearance(shape: Shape, origin: Lanes, cell: &EnvCell) -> f32 {
+    let Some(bsp) = &cell.structure.physics else {
+        return f32::INFINITY;
+    };
+    let clearance = |i| bsp_tree::clearance(bsp, local_sphere(origin, &shape, &cell.frame, i));
+    let mut least = clearance(0);
+    if shape.two && least >= 0.0 {
+        let head = clearance(1);
+        least = if head < least { head } else { least };
+    }
+    if cell.hints.keeps_lengths() || least < 0.0 {
+        least * 0.99
+    } else {
+        0.0
     }
 }
 
-/// The search for a floor of the cell in a step down by `h`, of which `interp` is left (6.11.1).
+#[inline(never)]
+fn touches_nothing_solid(shape: Shape, origin: Lanes, cell: &EnvCell) -> bool {
+    let Some(bsp) = &cell.structure.physics else {
+        return true;
+    };
+    let solid =
+        |i| bsp_tree::sphere_intersects_solid(bsp, local_sphere(origin, &shape, &cell.frame, i), true);
+    !solid(0) && (!shape.two || !solid(1))
+}
+
+/// A shift down, metres.
 #[inline(always)]
-pub(crate) fn search_below<'a>(
-    cell: &EnvCell,
+pub(crate) fn down(h: f32) -> Lanes {
+    Lanes::from(Vec3::new(0.0, 0.0, -h))
+}
+
+/// The floor of a cell that the foot sphere is lifted onto in a step down by `h`, level enough by `z` (6.11.1).
+#[inline(always)]
+pub(crate) fn search_below<'b>(
+    cell: &'b EnvCell,
+    shape: &Shape,
     at: &Candidate,
     h: f32,
-    interp: f32,
     z: f32,
-) -> WalkableSearch<'a> {
-    let [x, y, z_axis] = cell.frame.axes();
-    let up = Vec3::new(x.z, y.z, z_axis.z);
-    WalkableSearch {
-        sphere: at.local(cell, 0),
-        movement: up * -(h * interp),
-        up,
-        walkable_allowance: z,
-        walk_interp: interp,
-        found: None,
-    }
+) -> Option<(&'b PhysicsBsp, Floor<'b>, Lanes)> {
+    let bsp = cell.structure.physics.as_ref()?;
+    let up = cell.frame.up();
+    let local = at.local(shape, &cell.frame, 0);
+    let floor = bsp_tree::find_floor(bsp, local, up * -h, up, z)?;
+    Some((bsp, floor, local))
 }
 
-/// How a step down by `h` ends when it finds a floor of the cell and nothing of the cell is in the way of the
-/// candidate lifted onto it (5.8). `lowered` has been lowered and is lifted; `supported`: the floor must support the
-/// foot sphere. Whether the lifted candidate reaches other cells or objects is for the caller to see.
+/// How a step down by `h` ends when it finds a floor of the cell and nothing is in the way of the candidate lifted
+/// onto it (5.8). `lowered` has been lowered and is lifted; `supported`: the floor must support the
+/// foot sphere. Whether any cell or object has room for the lifted candidate is for the caller to see
+/// ([`Candidate::rests_in`]).
 #[inline(always)]
 pub(crate) fn find_open_floor(
     cell: &EnvCell,
+    shape: &Shape,
     lowered: &mut Candidate,
     h: f32,
     z: f32,
     supported: bool,
 ) -> Option<OpenFloor> {
-    let bsp = cell.structure.physics.as_ref()?;
     let frame = &cell.frame;
-    let mut search = search_below(cell, lowered, h, 1.0, z);
-    let (local, up) = (search.sphere, search.up);
-    bsp_tree::find_walkable(bsp, &mut search);
-    let face = search.found?;
-    let normal = frame.local_to_global_vec(face.plane.normal);
-    if normal.z < z {
+    let (bsp, floor, local) = search_below(cell, shape, lowered, h, z)?;
+    let face = floor.face;
+    let plane = match cell.hints.only_floor() {
+        Some(plane) if floor.only => plane,
+        _ => cell.frame.plane_out(&face.plane),
+    };
+    if plane.z() < z {
         return None;
     }
     if supported {
-        let half = Sphere::new(search.sphere.center, search.sphere.radius * 0.5);
-        if !polygon::check_walkable(face, bsp.edges(face), &half, up) {
+        let half = shape.arms[0].fourth() * 0.5;
+        if !polygon::check_walkable(face, bsp.edges(face), floor.sphere, half, frame.up()) {
             return None;
         }
     }
-    let offset = frame.local_to_global_vec(search.sphere.center - local.center);
+    let offset = frame.turned_out(floor.sphere - local);
     lowered.shift(offset);
-    if !lowered.rests_in(cell) {
-        return None;
-    }
-    let point = Vec3::ZERO + frame.local_to_global(face.plane.normal * -face.plane.d);
     Some(OpenFloor {
         offset,
-        plane: Plane {
-            normal,
-            d: -normal.dot(point),
-        },
-        walk_interp: search.walk_interp,
+        plane,
+        walk_interp: floor.walk_interp,
     })
 }
 
-/// How far the spheres may be shifted together before one comes near a static object of a cell, metres.
+/// How far a candidate may be shifted before one of its spheres comes near a static object of a cell, metres.
 #[inline(always)]
-pub(crate) fn distance_to_statics(lists: &ShadowLists, cell: CellId, spheres: &[Sphere]) -> f32 {
-    let larger = larger_radius(spheres);
-    let mut least = f32::INFINITY;
-    for (_, reach) in lists.with_reaches(cell) {
-        let d = distance_to_reach(reach, larger, spheres);
-        least = if d < least { d } else { least };
-    }
-    least
+pub(crate) fn distance_to_statics(lists: &ShadowLists, cell: CellId, shape: &Shape, pose: &Candidate) -> f32 {
+    let [foot, head] = pose.spheres.map(Lanes::xyz);
+    lists.distance(cell, foot, shape.two.then_some(head), shape.larger_radius())
 }
 
+/// How far a candidate may be shifted before one of its spheres comes near another sphere, metres: nearer than that
+/// one's radius and its own, `stretch` times.
 #[inline(always)]
-fn distance_to_reach(reach: &StaticReach, larger: f32, spheres: &[Sphere]) -> f32 {
-    let limit = reach.sphere.radius + reach.stretch * larger;
-    let mut least = f32::INFINITY;
-    for s in spheres {
-        let d = length(s.center - reach.sphere.center) - limit;
-        least = if d < least { d } else { least };
+pub(crate) fn distance_to_sphere(around: &Sphere, stretch: f32, shape: &Shape, pose: &Candidate) -> f32 {
+    let center = Lanes::from(*around);
+    let squared = |s: Lanes| {
+        let between = s - center;
+        between.dot(between)
+    };
+    let mut nearest = squared(pose.spheres[0]);
+    if shape.two {
+        let head = squared(pose.spheres[1]);
+        nearest = if head < nearest { head } else { nearest };
     }
-    least
-}
-
-#[inline(always)]
-fn larger_radius(spheres: &[Sphere]) -> f32 {
-    let mut larger = 0.0;
-    for s in spheres {
-        larger = if s.radius > larger { s.radius } else { larger };
-    }
-    larger
+    nearest.sqrt() - (around.radius + stretch * shape.larger_radius())
 }
 
 /// Where a usual step ends: in the cell it began in, on walkable ground.
 pub(crate) struct PlainEnd {
-    pub(crate) origin: Vec3,
-    /// What it stands on.
-    pub(crate) plane: Plane,
+    pub(crate) origin: Lanes,
+    /// What it stands on; its `d` in the fourth lane.
+    pub(crate) plane: Lanes,
+    pub(crate) plane_cell: CellId,
     pub(crate) is_water: bool,
+    /// What it ran into.
+    pub(crate) hit: Option<Vec3>,
+    /// It was put back to where it began.
+    pub(crate) stopped: bool,
 }
 
 impl PlainEnd {
-    /// What the sweep comes to.
+    /// What the sweep comes to (5.11).
     #[inline(always)]
     pub(crate) fn swept(&self, mover: &Mover, carried: &Carried, cell: CellId, to: &Position) -> Swept {
         let mut frame = to.frame;
-        frame.origin = self.origin;
+        frame.origin = self.origin.xyz();
         let falls = mover.physics.has(PhysicsState::GRAVITY);
         Swept {
             ok: true,
             cell: Some(cell),
             position: Position { cell, frame },
             contact: Some(ContactPlane {
-                plane: self.plane,
-                cell,
+                plane: self.plane.plane(),
+                cell: self.plane_cell,
                 is_water: self.is_water,
             }),
             on_walkable: true,
-            collision_normal: None,
-            sliding_normal: None,
+            collision_normal: self.hit,
+            sliding_normal: self.hit.map(sliding_normal),
             collided_with_environment: false,
             stationary: if falls { 0 } else { carried.stationary },
-            velocity_killed: false,
+            velocity_killed: self.stopped,
         }
     }
 }
 
 /// What a usual step starts from.
+#[derive(Clone, Copy)]
 pub(crate) struct PlainStep<'a> {
     pub(crate) world: &'a World,
     pub(crate) population: &'a Population,
     pub(crate) mover: &'a Mover,
     pub(crate) from: &'a Position,
+    pub(crate) contact: &'a ContactPlane,
+    pub(crate) block: &'a Landblock,
+    pub(crate) shape: Shape,
     /// The candidate after the step, before it is inserted.
     pub(crate) candidate: Candidate,
     /// The lowest point of the candidate.
-    pub(crate) low: Vec3,
+    pub(crate) low: Lanes,
 }
 
-/// A sweep of one step by `offset` from `from`, if it is a usual one. `to` says how the mover ends up turned. `built`
+/// A sweep of one step by `offset` from `from`, if it is a usual one. `to` says how the mover ends up turned. `found`
 /// takes what was found out about the candidate's cells, for the longer way.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "those of a sweep")]
@@ -310,82 +363,95 @@ pub(crate) fn plain_step(
     carried: &Carried,
     from: &Position,
     to: &Position,
-    offset: Vec3,
-    built: &mut BuiltArray,
+    offset: Lanes,
+    found: &mut Option<Known>,
 ) -> Option<PlainEnd> {
     let contact = carried.contact.as_ref()?;
+    let rotation = Lanes::of_rotation(from.frame.rotation());
     let unusual = !carried.on_walkable
         || mover.state.has(ObjectState::IS_VIEWER)
         || mover.physics.has(PhysicsState::MISSILE)
         || contact.cell.is_none()
         || contact.cell.block() != from.cell.block()
-        || from.frame.rotation() != to.frame.rotation()
+        || !rotation.all_equal(Lanes::of_rotation(to.frame.rotation()))
         || carried.last_known.is_some()
         || world.settings().exact;
     if unusual {
         return None;
     }
+    // A call: before there is anything to be kept over it.
+    let block = world.block(from.cell.block())?;
     let arms = Arms::of(&from.frame, &mover.spheres);
-    let start = from.frame.origin;
-    let foot = Sphere::new(start + arms.center[0], mover.spheres[0].radius);
-    let mut head = start + arms.center[1];
-    let (mut foot_center, mut origin) = (foot.center, start);
+    let shape = Shape {
+        arms: arms.center,
+        two: mover.spheres().len() > 1,
+    };
+    let mut pose = Candidate::at(from.frame.origin.into(), &shape);
+    let mut low = pose.origin + arms.low;
 
     // The offset, bent; a foot in the floor is pushed out of it first (4.2).
-    let wall = match carried.sliding_normal {
-        Some(n) => Some(normalised(n).unwrap_or(Vec3::ZERO)).filter(|&n| offset.dot(n) < 0.0),
-        None => None,
+    let plane = Lanes::of_plane(&contact.plane);
+    let v = match carried.sliding_normal {
+        Some(n) => along_wall(offset, plane, n)?,
+        None => along_planes(offset, plane, None),
     };
-    let v = along_planes(offset, contact.plane.normal, wall);
     if EPSILON * EPSILON > v.dot(v) {
         return None;
     }
-    let mut low = from.frame.origin + arms.low;
     if !contact.is_water {
-        let s = contact.plane.dist(foot.center);
-        if s < foot.radius - EPSILON {
-            let z = (foot.radius - s) / contact.plane.normal.z;
-            if foot.radius > z.abs() {
-                let push = Vec3::new(0.0, 0.0, z);
-                origin += push;
-                foot_center += push;
-                head += push;
+        let radius = mover.spheres[0].radius;
+        let s = plane.dist(pose.spheres[0]);
+        if s < radius - EPSILON {
+            let z = (radius - s) / contact.plane.normal.z;
+            if radius > z.abs() {
+                let push = Lanes::from(Vec3::new(0.0, 0.0, z));
+                pose.shift(push);
                 low += push;
             }
         }
     }
-    origin += v;
-    // Zero unless a number is not finite: then the long way says which. Positions come in by the candidate.
-    let (n, q) = (contact.plane.normal, from.frame.rotation());
-    let slide = carried.sliding_normal.map_or(0.0, |n| n.x + n.y + n.z);
-    let sum = n.x + n.y + n.z + contact.plane.d + q.x + q.y + q.z + q.w + slide;
-    let sum = sum + mover.step_up_height + mover.step_down_height + origin.x + origin.y + origin.z;
-    if !(sum * 0.0 == 0.0) {
+    pose.shift(v);
+    // Positions come in by the candidate. The long way says what is not finite.
+    let heights = Lanes::splat(mover.step_up_height + mover.step_down_height);
+    if !(plane + rotation + heights + pose.origin).all_finite() {
         return None;
     }
-    let candidate = Candidate {
-        origin,
-        spheres: [
-            Sphere::new(foot_center + v, foot.radius),
-            Sphere::new(head + v, mover.spheres[1].radius),
-        ],
-        arms: arms.center,
-        count: mover.spheres().len(),
-    };
-    let block = world.block(from.cell.block())?;
     let step = PlainStep {
         world,
         population,
         mover,
         from,
-        candidate,
+        contact,
+        block,
+        shape,
+        candidate: pose,
         low: low + v,
     };
     if from.cell.is_indoor() {
-        step.in_rooms(block, scratch, built)
+        step.in_rooms(scratch, found)
     } else {
-        plain_step_on_land(&step, block, scratch, built)
+        plain_step_on_land(&step, scratch, found)
     }
+}
+
+/// The offset of a mover that carries a sliding normal (4.2); `None` when that is not finite.
+#[inline(never)]
+fn along_wall(offset: Lanes, plane: Lanes, sliding: Vec3) -> Option<Lanes> {
+    let n = normalised(sliding).unwrap_or(Vec3::ZERO);
+    let wall = (offset.dot(n.into()) < 0.0).then_some(n);
+    sliding.is_finite().then(|| along_planes(offset, plane, wall))
+}
+
+/// See [`Known::cells_of`].
+#[inline(never)]
+fn know_cells(
+    step: PlainStep<'_>,
+    cell: &EnvCell,
+    at: Candidate,
+    mut known: Known,
+    array: &mut CellArray,
+) -> Option<Known> {
+    known.cells_of(&step, cell, &at, array).then_some(known)
 }
 
 /// See [`PlainStep::objects_around`].
@@ -394,33 +460,40 @@ fn statics_around(
     world: &World,
     lists: &ShadowLists,
     cell: CellId,
+    shape: &Shape,
     pose: &Candidate,
     placing: bool,
 ) -> Option<f32> {
-    let least = distance_to_statics(lists, cell, pose.spheres());
+    let least = distance_to_statics(lists, cell, shape, pose);
     if least > 0.0 {
         return Some(least);
     }
-    clears_statics(world, lists, cell, pose, placing).then_some(0.0)
+    clears_statics(world, lists, cell, shape, pose, placing).then_some(0.0)
 }
 
 /// Whether a pose that is near static objects certainly touches none of them.
-fn clears_statics(world: &World, lists: &ShadowLists, cell: CellId, pose: &Candidate, placing: bool) -> bool {
-    let larger = larger_radius(pose.spheres());
+fn clears_statics(
+    world: &World,
+    lists: &ShadowLists,
+    cell: CellId,
+    shape: &Shape,
+    pose: &Candidate,
+    placing: bool,
+) -> bool {
     lists.with_reaches(cell).all(|(r, reach)| {
-        if distance_to_reach(reach, larger, pose.spheres()) > 0.0 {
+        if distance_to_sphere(&reach.sphere, reach.stretch, shape, pose) > 0.0 {
             return true;
         }
         let Some(object) = world.static_object(r) else {
             return true;
         };
-        object.cell.block() == cell.block() && clears_object(object, pose, placing)
+        object.cell.block() == cell.block() && clears_object(object, shape, pose, placing)
     })
 }
 
 /// Whether a pose certainly does not touch a static object of its landblock: by the one kind of shape that counts
 /// (8.2).
-fn clears_object(object: &StaticObject, pose: &Candidate, placing: bool) -> bool {
+fn clears_object(object: &StaticObject, mover: &Shape, pose: &Candidate, placing: bool) -> bool {
     let shape = &object.shape;
     if shape.has_physics_bsp {
         return shape.parts.iter().zip(&object.part_frames).all(|(part, frame)| {
@@ -429,112 +502,163 @@ fn clears_object(object: &StaticObject, pose: &Candidate, placing: bool) -> bool
             else {
                 return true;
             };
-            part.scale.z == 1.0 && pose.clears_part(frame, bsp, &bound, placing)
+            part.scale.z == 1.0 && pose.clears_part(mover, frame, bsp, &bound, placing)
         });
     }
     let place = |p: Vec3| Vec3::ZERO + object.frame.local_to_global(p);
     if shape.cylspheres.is_empty() {
         let place = |s: &Sphere| Sphere::new(place(s.center), s.radius);
         let mut spheres = shape.spheres.iter().map(place);
-        return !spheres.any(|s| overlaps_sphere(&s, &pose.spheres, pose.count));
+        return !spheres.any(|s| overlaps_sphere(&s, &pose.spheres(), mover.count()));
     }
     let place = |c: &CylSphere| CylSphere {
         low_point: place(c.low_point),
         ..*c
     };
     let mut cylinders = shape.cylspheres.iter().map(place);
-    !cylinders.any(|c| overlaps_cylinder(&c, &pose.spheres, pose.count))
+    !cylinders.any(|c| overlaps_cylinder(&c, &pose.spheres(), mover.count()))
 }
 
 impl PlainStep<'_> {
     /// In a room, and maybe partly in others of the landblock.
     #[inline(always)]
-    fn in_rooms(&self, block: &Landblock, scratch: &mut Scratch, built: &mut BuiltArray) -> Option<PlainEnd> {
-        let cell = block.env_cell(self.from.cell)?;
-        let to_cells = self.certain_rooms(block, cell, scratch);
-        *built = BuiltArray::certain(cell.id, self.candidate.centers(), to_cells, &scratch.cell_array);
-        if !(to_cells > 0.0) || cell.restriction.is_some() || !self.candidate.is_clear(cell) {
+    fn in_rooms(&self, scratch: &mut Scratch, found: &mut Option<Known>) -> Option<PlainEnd> {
+        let cell = self.block.env_cell(self.from.cell)?;
+        let to_cells = self.certain_rooms(cell, &self.candidate, &mut scratch.cell_array);
+        let mut known = Known::cells(&self.candidate, to_cells);
+        let end = self.in_certain_rooms(cell, &mut known, &mut scratch.cell_array);
+        if end.is_none() {
+            *found = Some(known);
+        }
+        end
+    }
+
+    #[inline(always)]
+    fn in_certain_rooms(&self, cell: &EnvCell, known: &mut Known, array: &mut CellArray) -> Option<PlainEnd> {
+        if !(known.to_cells > 0.0) || cell.restriction.is_some() {
             return None;
         }
-        let others = scratch.cell_array.entries().get(1..)?;
-        let mut objects = self.objects_around(block, cell.id, &self.candidate, false)?;
-        for entry in others {
-            let other = block.env_cell(entry.id)?;
-            if other.restriction.is_some() || !self.candidate.is_clear(other) {
+        let own = self.candidate.clearance(&self.shape, cell);
+        if own < 0.0 {
+            return self.call_beside_walls(cell, known, array);
+        }
+        let mut beside = f32::INFINITY;
+        let mut objects = self.objects_around(cell.id, &self.candidate, false)?;
+        for entry in array.entries().get(1..)? {
+            let other = self.block.env_cell(entry.id)?;
+            if other.restriction.is_some() {
                 return None;
             }
-            let d = self.objects_around(block, other.id, &self.candidate, false)?;
+            let c = self.candidate.clearance(&self.shape, other);
+            if c < 0.0 {
+                return self.call_beside_walls(cell, known, array);
+            }
+            beside = if c < beside { c } else { beside };
+            let d = self.objects_around(other.id, &self.candidate, false)?;
             objects = if d < objects { d } else { objects };
         }
-        // The ground below (5.6).
+        known.to_objects = objects;
+        self.come_to_rest(cell, &self.candidate, [own, beside], known, array, None)
+    }
+
+    #[inline(always)]
+    fn call_beside_walls(
+        &self,
+        cell: &EnvCell,
+        known: &mut Known,
+        array: &mut CellArray,
+    ) -> Option<PlainEnd> {
+        let (step, mut now) = (*self, *known);
+        let end = step.beside_walls(cell, &mut now, array);
+        *known = now;
+        end
+    }
+
+    /// As [`PlainStep::in_certain_rooms`], not clear of walls.
+    #[inline(never)]
+    fn beside_walls(&self, cell: &EnvCell, known: &mut Known, array: &mut CellArray) -> Option<PlainEnd> {
+        match self.slide_along_walls(cell, known, array)? {
+            Slide::To(at, n) => self.come_to_rest(cell, &at, [0.0; 2], known, array, n),
+            Slide::Stopped(n) => self.stop(cell, n, known, array),
+        }
+    }
+
+    /// Looks for the ground below a pose that nothing is in the way of (5.6), given its clearances in the own cell and
+    /// in others.
+    #[inline(always)]
+    fn come_to_rest(
+        &self,
+        cell: &EnvCell,
+        pose: &Candidate,
+        [own, beside]: [f32; 2],
+        known: &mut Known,
+        array: &mut CellArray,
+        hit: Option<Vec3>,
+    ) -> Option<PlainEnd> {
         let h = self.search_depth();
-        let mut lowered = self.candidate;
-        lowered.shift(Vec3::new(0.0, 0.0, -h));
+        let mut lowered = *pose;
+        lowered.shift(down(h));
         let supported = self.mover.state.has(ObjectState::EDGE_SLIDE);
-        let floor = find_open_floor(cell, &mut lowered, h, FLOOR_Z, supported)?;
-        if !self.candidate.is_within(&lowered, to_cells) || !lowered.rests_beside(block, others) {
+        let floor = find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported)?;
+        if !((own > 0.0 && pose.is_within(&lowered, own)) || lowered.rests_in(&self.shape, cell)) {
             return None;
         }
-        if !self.candidate.is_within(&lowered, objects) {
-            let mut all = scratch.cell_array.entries().iter();
-            if !all.all(|entry| self.objects_around(block, entry.id, &lowered, true).is_some()) {
+        let mut beside = beside;
+        if !known.cells_at.is_within(&lowered, known.to_cells) {
+            // Lifted onto a step, say.
+            *known = know_cells(*self, cell, lowered, *known, array)?;
+            beside = 0.0;
+        }
+        let others = array.entries().get(1..)?;
+        if !(others.is_empty()
+            || (beside > 0.0 && pose.is_within(&lowered, beside))
+            || lowered.rests_beside(&self.shape, self.block, others))
+        {
+            return None;
+        }
+        if !known.objects_at.is_within(&lowered, known.to_objects) {
+            let mut all = array.entries().iter();
+            if !all.all(|entry| self.objects_around(entry.id, &lowered, true).is_some()) {
                 return None;
             }
         }
-        self.end(&lowered, floor.plane, false)
+        self.end(&lowered, floor.plane, false, hit)
     }
 
     /// Fills the cell array; see [`certain_rooms`].
     #[inline(always)]
-    fn certain_rooms(&self, block: &Landblock, cell: &EnvCell, scratch: &mut Scratch) -> f32 {
-        let [foot, head] = &self.candidate.spheres;
-        if cell.hints.is_quiet(foot) && (self.candidate.count < 2 || cell.hints.is_quiet(head)) {
-            scratch.cell_array.start(cell.id, true);
+    pub(crate) fn certain_rooms(&self, cell: &EnvCell, pose: &Candidate, array: &mut CellArray) -> f32 {
+        let quiet = |i: usize| cell.hints.is_quiet(pose.spheres[i], self.shape.arms[i].fourth());
+        if quiet(0) && (!self.shape.two || quiet(1)) {
+            array.start(cell.id, true);
             return TransitHints::QUIET_SHIFT;
         }
-        let at = self.candidate;
-        certain_rooms(block, cell, at.spheres(), &mut scratch.cell_array)
+        let spheres = pose.spheres();
+        let spheres = spheres.get(..self.shape.count()).unwrap_or(&spheres);
+        certain_rooms(self.block, cell, spheres, array)
     }
 
     /// How far a pose may be shifted before it comes near an object, metres: zero when it is near some but clears
     /// them. `None` when it does not, or that is not easily told. `placing`: as a placement insertion asks.
     #[inline(always)]
-    pub(crate) fn objects_around(
-        &self,
-        block: &Landblock,
-        cell: CellId,
-        pose: &Candidate,
-        placing: bool,
-    ) -> Option<f32> {
+    pub(crate) fn objects_around(&self, cell: CellId, pose: &Candidate, placing: bool) -> Option<f32> {
         if self.population.has_bodies() && !self.population.is_alone_in(cell, self.mover.body) {
             return None;
         }
-        let lists = self.world.shadow_lists(block);
+        let lists = self.world.shadow_lists(self.block);
         if lists.is_empty_in(cell) {
             return Some(f32::INFINITY);
         }
-        let pose = *pose;
-        statics_around(self.world, lists, cell, &pose, placing)
-    }
-
-    /// Whether a placement insertion at `to` finds no object, given what [`PlainStep::objects_around`] said of `from`.
-    #[inline(always)]
-    pub(crate) fn clears_objects(
-        &self,
-        block: &Landblock,
-        cell: CellId,
-        from: (&Candidate, f32),
-        to: &Candidate,
-    ) -> bool {
-        from.0.is_within(to, from.1) || self.objects_around(block, cell, to, true).is_some()
+        let (shape, pose) = (self.shape, *pose);
+        statics_around(self.world, lists, cell, &shape, &pose, placing)
     }
 
     /// How far down ground is looked for at first, metres (5.6).
     #[inline(always)]
     pub(crate) fn search_depth(&self) -> f32 {
-        let radius = self.candidate.spheres[0].radius;
+        let radius = self.mover.spheres[0].radius;
         let mut h = self.mover.step_down_height;
-        if self.candidate.count < 2 && 2.0 * radius < h {
+        if !self.shape.two && 2.0 * radius < h {
             h = radius / 2.0;
         }
         if 2.0 * radius >= h { h } else { h / 2.0 }
@@ -542,15 +666,24 @@ impl PlainStep<'_> {
 
     /// What the sweep comes to, unless it made no progress.
     #[inline(always)]
-    pub(crate) fn end(&self, pose: &Candidate, plane: Plane, is_water: bool) -> Option<PlainEnd> {
-        let moved = (pose.origin - self.from.frame.origin).abs();
-        if moved.x < EPSILON && moved.y < EPSILON && moved.z < EPSILON {
+    pub(crate) fn end(
+        &self,
+        pose: &Candidate,
+        plane: Lanes,
+        is_water: bool,
+        hit: Option<Vec3>,
+    ) -> Option<PlainEnd> {
+        let moved = (pose.origin - Lanes::from(self.from.frame.origin)).abs();
+        if moved.less(Lanes::splat(EPSILON)) & 0b111 == 0b111 {
             return None;
         }
         Some(PlainEnd {
             origin: pose.origin,
             plane,
+            plane_cell: self.from.cell,
             is_water,
+            hit,
+            stopped: false,
         })
     }
 }

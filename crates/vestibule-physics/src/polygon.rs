@@ -1,7 +1,7 @@
 //! Polygons against spheres (`transition.md` 6.5 to 6.8). Everything is in the polygon's own space.
 
 use glam::Vec3;
-use vestibule_world::{Face, FaceEdge, Plane, Sphere};
+use vestibule_world::{Face, FaceEdge, Lanes, Plane, Sphere};
 
 use crate::constants::{EPSILON, POLYGON_INTERP_LIMIT};
 
@@ -26,21 +26,26 @@ pub(crate) enum Overlap {
 /// Whether the sphere overlaps the polygon (6.5.1).
 #[inline]
 pub(crate) fn polygon_hits_sphere(face: &Face, edges: &[FaceEdge], sphere: &Sphere) -> bool {
-    overlap(face, edges, sphere) != Overlap::None
+    overlap(face, edges, Lanes::from(*sphere)) != Overlap::None
 }
 
 /// As [`polygon_hits_sphere`], saying how.
 #[inline(always)]
-pub(crate) fn overlap(face: &Face, edges: &[FaceEdge], sphere: &Sphere) -> Overlap {
-    let s = face.plane.dist(sphere.center);
-    let rho = sphere.radius - EPSILON;
+pub(crate) fn overlap(face: &Face, edges: &[FaceEdge], sphere: Lanes) -> Overlap {
+    overlap_at(face, edges, sphere, Lanes::of_plane(&face.plane).dist(sphere))
+}
+
+/// As [`overlap`], given the distance `s` of the centre from the plane.
+#[inline(always)]
+pub(crate) fn overlap_at(face: &Face, edges: &[FaceEdge], sphere: Lanes, s: f32) -> Overlap {
+    let rho = sphere.fourth() - EPSILON;
     if rho < s.abs() {
         return Overlap::None;
     }
-    let point = sphere.center - face.plane.normal * s;
+    let point = sphere - Lanes::of_plane(&face.plane) * s;
     if is_inside(face, edges, point) {
         Overlap::Inside(s.abs())
-    } else if edges_reach(edges, point, rho * rho - s * s, false) {
+    } else if edges_reach(edges, point.xyz(), rho * rho - s * s, false) {
         Overlap::Rim
     } else {
         Overlap::None
@@ -49,8 +54,8 @@ pub(crate) fn overlap(face: &Face, edges: &[FaceEdge], sphere: &Sphere) -> Overl
 
 /// Whether a point of the plane is on the inner side of all edges.
 #[inline(always)]
-fn is_inside(face: &Face, edges: &[FaceEdge], point: Vec3) -> bool {
-    face.certainly_inside(point) || is_inside_all(edges, point)
+fn is_inside(face: &Face, edges: &[FaceEdge], point: Lanes) -> bool {
+    face.certainly_inside(point) || is_inside_all(edges, point.xyz())
 }
 
 #[inline(never)]
@@ -59,7 +64,7 @@ fn is_inside_all(edges: &[FaceEdge], point: Vec3) -> bool {
 }
 
 /// Whether a sphere that is known to overlap the polygon still does with a radius smaller by `less`.
-#[inline]
+#[inline(never)]
 pub(crate) fn hits_deeper(face: &Face, edges: &[FaceEdge], sphere: &Sphere, less: f32) -> bool {
     polygon_hits_sphere(face, edges, &Sphere::new(sphere.center, sphere.radius - less))
 }
@@ -107,16 +112,18 @@ pub(crate) fn walkable_hits_sphere(
 #[inline(always)]
 pub(crate) fn adjust_sphere_to_plane(
     plane: &Plane,
-    sphere: &mut Sphere,
-    movement: Vec3,
+    sphere: &mut Lanes,
+    movement: Lanes,
     walk_interp: &mut f32,
 ) -> bool {
-    let s = plane.dist(sphere.center);
-    let k = movement.dot(plane.normal);
+    let plane = Lanes::of_plane(plane);
+    let radius = sphere.fourth();
+    let s = plane.dist(*sphere);
+    let k = movement.dot(plane);
     let a = if k > EPSILON {
-        (-sphere.radius - s) / k
+        (-radius - s) / k
     } else if k < -EPSILON {
-        (s - sphere.radius) / k
+        (s - radius) / k
     } else {
         return false;
     };
@@ -124,42 +131,38 @@ pub(crate) fn adjust_sphere_to_plane(
     if w >= *walk_interp || w < POLYGON_INTERP_LIMIT {
         return false;
     }
-    sphere.center -= a * movement;
+    *sphere = *sphere - movement * a;
     *walk_interp = w;
     true
 }
 
-/// Whether the sphere, dropped onto the plane along `up`, is supported by the polygon (6.7.1).
+/// Whether the sphere, taken with this radius and dropped onto the plane along `up`, is supported by the polygon (6.7.1).
 #[inline(always)]
-pub(crate) fn check_walkable(face: &Face, edges: &[FaceEdge], sphere: &Sphere, up: Vec3) -> bool {
-    support(face, edges, sphere.center, sphere.radius * sphere.radius, up)
+pub(crate) fn check_walkable(face: &Face, edges: &[FaceEdge], sphere: Lanes, radius: f32, up: Lanes) -> bool {
+    support(face, edges, sphere, radius * radius, up)
 }
 
 /// As [`check_walkable`] with half the radius (6.7.2).
 #[inline]
 pub(crate) fn check_small_walkable(face: &Face, edges: &[FaceEdge], sphere: &Sphere, up: Vec3) -> bool {
-    support(
-        face,
-        edges,
-        sphere.center,
-        sphere.radius * sphere.radius / 4.0,
-        up,
-    )
+    let reach = sphere.radius * sphere.radius / 4.0;
+    support(face, edges, Lanes::from(*sphere), reach, up.into())
 }
 
 #[inline(always)]
-fn support(face: &Face, edges: &[FaceEdge], center: Vec3, reach: f32, up: Vec3) -> bool {
+fn support(face: &Face, edges: &[FaceEdge], center: Lanes, reach: f32, up: Lanes) -> bool {
     match drop_onto(&face.plane, center, up) {
         // Inside all edges the answer is yes, corners or not.
-        Some(point) => is_inside(face, edges, point) || edges_reach(edges, point, reach, true),
+        Some(point) => is_inside(face, edges, point) || edges_reach(edges, point.xyz(), reach, true),
         None => false,
     }
 }
 
 /// `center` moved onto the plane along `up`; `None` when they are parallel.
-#[inline]
-fn drop_onto(plane: &Plane, center: Vec3, up: Vec3) -> Option<Vec3> {
-    let k = up.dot(plane.normal);
+#[inline(always)]
+fn drop_onto(plane: &Plane, center: Lanes, up: Lanes) -> Option<Lanes> {
+    let plane = Lanes::of_plane(plane);
+    let k = up.dot(plane);
     if k.abs() < EPSILON {
         None
     } else {
@@ -169,7 +172,7 @@ fn drop_onto(plane: &Plane, center: Vec3, up: Vec3) -> Option<Vec3> {
 
 /// The inward normal of the first edge that the sphere's centre is beyond (6.7.3).
 pub(crate) fn find_crossed_edge(face: &Face, edges: &[FaceEdge], sphere: &Sphere, up: Vec3) -> Option<Vec3> {
-    let point = drop_onto(&face.plane, sphere.center, up)?;
+    let point = drop_onto(&face.plane, sphere.center.into(), up.into())?.xyz();
     let edge = edges.iter().find(|e| (point - e.start).dot(e.inward) < 0.0)?;
     let length = edge.inward.dot(edge.inward).sqrt();
     Some(Vec3::new(
@@ -294,20 +297,16 @@ mod tests {
             normal: Vec3::Z,
             d: 0.0,
         };
-        let down = Vec3::new(0.0, 0.0, -0.6);
-        let (mut s, mut interp) = (ball(0.0, 0.0, 0.1), 1.0);
+        let down = Lanes::from(Vec3::new(0.0, 0.0, -0.6));
+        let (mut s, mut interp) = (Lanes::from(ball(0.0, 0.0, 0.1)), 1.0);
         assert!(adjust_sphere_to_plane(&plane, &mut s, down, &mut interp));
-        assert!((interp - 0.366_666_7).abs() < 1e-5 && (s.center.z - 0.48).abs() < 1e-5);
-        let (mut s, mut interp) = (ball(0.0, 0.0, 0.1), 1.0);
-        assert!(!adjust_sphere_to_plane(
-            &plane,
-            &mut s,
-            Vec3::new(0.3, 0.0, 0.0),
-            &mut interp
-        ));
-        let mut s = ball(0.0, 0.0, 0.5);
+        assert!((interp - 0.366_666_7).abs() < 1e-5 && (s.z() - 0.48).abs() < 1e-5);
+        let (mut s, mut interp) = (Lanes::from(ball(0.0, 0.0, 0.1)), 1.0);
+        let along = Vec3::new(0.3, 0.0, 0.0).into();
+        assert!(!adjust_sphere_to_plane(&plane, &mut s, along, &mut interp));
+        let mut s = Lanes::from(ball(0.0, 0.0, 0.5));
         assert!(!adjust_sphere_to_plane(&plane, &mut s, down, &mut interp));
-        assert_eq!((s, interp), (ball(0.0, 0.0, 0.5), 1.0));
+        assert_eq!((s, interp), (ball(0.0, 0.0, 0.5).into(), 1.0));
     }
 
     #[test]
@@ -318,18 +317,14 @@ mod tests {
         };
         // A sphere that overlaps and moves along the normal has nothing to undo: a is below zero.
         for z in [-0.1, 0.1] {
-            let (mut s, mut interp) = (ball(0.0, 0.0, z), 1.0);
-            assert!(!adjust_sphere_to_plane(
-                &plane,
-                &mut s,
-                Vec3::new(0.0, 0.0, 0.6),
-                &mut interp
-            ));
+            let (mut s, mut interp) = (Lanes::from(ball(0.0, 0.0, z)), 1.0);
+            let along = Vec3::new(0.0, 0.0, 0.6).into();
+            assert!(!adjust_sphere_to_plane(&plane, &mut s, along, &mut interp));
         }
         // W15: H = 0.85 is accepted, 0.95 is under -0.5.
         for (h, accepted) in [(0.85, true), (0.95, false)] {
-            let (mut s, mut interp) = (ball(0.0, 0.0, 0.48 - h), 1.0);
-            let down = Vec3::new(0.0, 0.0, -0.6);
+            let (mut s, mut interp) = (Lanes::from(ball(0.0, 0.0, 0.48 - h)), 1.0);
+            let down = Lanes::from(Vec3::new(0.0, 0.0, -0.6));
             assert_eq!(
                 adjust_sphere_to_plane(&plane, &mut s, down, &mut interp),
                 accepted,
@@ -344,7 +339,7 @@ mod tests {
         let face = &floor.faces()[0];
         let at = |beyond: f32| ball(2.0 + beyond, 1.0, 0.48);
         let small = |b| check_small_walkable(face, floor.edges(face), &at(b), Vec3::Z);
-        let full = |b| check_walkable(face, floor.edges(face), &at(b), Vec3::Z);
+        let full = |b| check_walkable(face, floor.edges(face), at(b).into(), 0.48, Vec3::Z.into());
         assert_eq!(
             (small(0.23), small(0.25), full(0.47), full(0.49)),
             (true, false, true, false)
@@ -355,21 +350,14 @@ mod tests {
     fn s6_7_1_a_polygon_along_up_supports_nothing_and_one_facing_down_does() {
         let wall = bsp(&[(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)].map(|(x, z)| Vec3::new(x, 0.0, z)));
         let face = &wall.faces()[0];
-        assert!(!check_walkable(
-            face,
-            wall.edges(face),
-            &ball(1.0, 0.0, 1.0),
-            Vec3::Z
-        ));
+        let stands = |bsp: &PhysicsBsp, face, s: Sphere| {
+            check_walkable(face, bsp.edges(face), s.into(), s.radius, Vec3::Z.into())
+        };
+        assert!(!stands(&wall, face, ball(1.0, 0.0, 1.0)));
         let ceiling =
             bsp(&[(0.0, 0.0), (0.0, 2.0), (2.0, 2.0), (2.0, 0.0)].map(|(x, y)| Vec3::new(x, y, 0.0)));
         let face = &ceiling.faces()[0];
-        assert!(check_walkable(
-            face,
-            ceiling.edges(face),
-            &ball(1.0, 1.0, 1.0),
-            Vec3::Z
-        ));
+        assert!(stands(&ceiling, face, ball(1.0, 1.0, 1.0)));
     }
 
     #[test]

@@ -15,9 +15,7 @@ use crate::sphere_path::LocalSpace;
 use crate::sweep::{self, Carried, ContactPlane, Mover, Scratch, Swept};
 use crate::transition::{InsertType, Transition};
 
-#[path = "../../vestibule-world/tests/common/mod.rs"]
-#[allow(unused_imports, reason = "shared with another crate's tests")]
-pub(crate) mod records;
+pub(crate) use vestibule_testing::records;
 
 pub(crate) const BLOCK: u16 = 0xA9B4;
 /// The land cell over (12, 12).

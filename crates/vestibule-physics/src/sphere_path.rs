@@ -3,11 +3,13 @@
 
 use glam::{Quat, Vec3};
 use vestibule_world::ids::block_offset;
-use vestibule_world::{CellId, EnvCell, Face, Frame, LandCell, Landblock, PhysicsBsp, Position, Sphere};
+use vestibule_world::{
+    CellId, EnvCell, Face, Frame, LandCell, Landblock, Lanes, PhysicsBsp, Position, Sphere,
+};
 
 use crate::constants::EPSILON;
 use crate::math::UP;
-use crate::plain_step::Candidate;
+use crate::plain_step::{Candidate, Shape};
 use crate::transition::InsertType;
 
 /// A resident cell.
@@ -80,25 +82,26 @@ pub(crate) struct Pose {
 /// The local points of the mover, rotated: what to add to an origin to place them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arms {
-    pub(crate) center: [Vec3; 2],
-    pub(crate) low: Vec3,
+    /// The spheres' centres, radii in the fourth lanes.
+    pub(crate) center: [Lanes; 2],
+    pub(crate) low: Lanes,
 }
 
 impl Arms {
     #[inline(always)]
     pub(crate) fn of(frame: &Frame, spheres: &[Sphere; 2]) -> Self {
-        let foot = spheres[0];
-        let low = Vec3::new(foot.center.x, foot.center.y, foot.center.z - foot.radius);
-        if frame.rotation() == Quat::IDENTITY {
+        let [foot, head] = spheres.map(Lanes::from);
+        let low = foot.with_fourth(0.0) - Lanes::from(Vec3::new(0.0, 0.0, spheres[0].radius));
+        if Lanes::of_rotation(frame.rotation()).all_equal(Lanes::of_rotation(Quat::IDENTITY)) {
             return Arms {
-                center: [foot.center, spheres[1].center],
+                center: [foot, head],
                 low,
             };
         }
-        let rotated = |p| frame.local_to_global_vec(p);
+        let rotated = |s: Lanes| frame.turned_out(s).with_fourth(s.fourth());
         Arms {
-            center: [rotated(foot.center), rotated(spheres[1].center)],
-            low: rotated(low),
+            center: [rotated(foot), rotated(head)],
+            low: frame.turned_out(low),
         }
     }
 }
@@ -166,7 +169,7 @@ impl<'w> SpherePath<'w> {
             scale: 1.0,
         };
         let began_indoors = insert_type == InsertType::Transition && at.cell.is_indoor();
-        let centers = [pose.origin + arms.center[0], pose.origin + arms.center[1]];
+        let centers = arms.center.map(|arm| pose.origin + arm.xyz());
         SpherePath {
             num_sphere,
             local_sphere: *local_sphere,
@@ -174,7 +177,7 @@ impl<'w> SpherePath<'w> {
                 Sphere::new(centers[0], local_sphere[0].radius),
                 Sphere::new(centers[1], local_sphere[1].radius),
             ],
-            global_low_point: pose.origin + arms.low,
+            global_low_point: pose.origin + arms.low.xyz(),
             localspace_foot: Sphere::default(),
             localspace: space,
             localspace_z: UP,
@@ -232,9 +235,9 @@ impl<'w> SpherePath<'w> {
     pub(crate) fn set_check_pos(&mut self, pos: Pose, cell: Option<CellRef<'w>>) {
         self.check_pos = pos;
         self.check_cell = cell;
-        self.global_sphere[0].center = pos.origin + self.check_arms.center[0];
-        self.global_sphere[1].center = pos.origin + self.check_arms.center[1];
-        self.global_low_point = pos.origin + self.check_arms.low;
+        self.global_sphere[0].center = pos.origin + self.check_arms.center[0].xyz();
+        self.global_sphere[1].center = pos.origin + self.check_arms.center[1].xyz();
+        self.global_low_point = pos.origin + self.check_arms.low.xyz();
     }
 
     /// Puts the candidate back to the accepted pose.
@@ -255,8 +258,8 @@ impl<'w> SpherePath<'w> {
         self.curr_cell = self.check_cell;
         self.curr_rotation = self.check_rotation;
         self.curr_arms = self.check_arms;
-        self.global_curr_center[0] = self.curr_pos.origin + self.curr_arms.center[0];
-        self.global_curr_center[1] = self.curr_pos.origin + self.curr_arms.center[1];
+        self.global_curr_center[0] = self.curr_pos.origin + self.curr_arms.center[0].xyz();
+        self.global_curr_center[1] = self.curr_pos.origin + self.curr_arms.center[1].xyz();
     }
 
     /// Whether candidate and accepted pose are equal within epsilon (1.3.3).
@@ -350,8 +353,7 @@ impl<'w> SpherePath<'w> {
         self.localspace_key = key;
         if !same_space {
             self.localspace = space;
-            let [x, y, z] = space.frame.axes();
-            self.localspace_z = Vec3::new(x.z, y.z, z.z);
+            self.localspace_z = space.frame.up().xyz();
         }
         self.localspace_foot = self.localspace_check_sphere(0);
     }
@@ -359,7 +361,7 @@ impl<'w> SpherePath<'w> {
     /// Sphere `i` of the candidate in the space of the geometry being tested, divided by its scale.
     #[inline(always)]
     fn localspace_check_sphere(&self, i: usize) -> Sphere {
-        let center = self.to_localspace(self.check_pos, self.check_arms.center[i]);
+        let center = self.to_localspace(self.check_pos, self.check_arms.center[i].xyz());
         let radius = self.local_sphere[i].radius;
         let scale = self.localspace.scale;
         Sphere::new(
@@ -381,7 +383,7 @@ impl<'w> SpherePath<'w> {
     /// The foot sphere's centre at the accepted pose, in the space of the geometry being tested.
     #[inline(always)]
     pub(crate) fn localspace_curr_foot(&self) -> Vec3 {
-        self.to_localspace(self.curr_pos, self.curr_arms.center[0])
+        self.to_localspace(self.curr_pos, self.curr_arms.center[0].xyz())
     }
 
     #[inline(always)]
@@ -410,10 +412,17 @@ impl<'w> SpherePath<'w> {
     #[inline]
     pub(crate) fn candidate(&self) -> Candidate {
         Candidate {
-            origin: self.check_pos.origin,
-            spheres: self.global_sphere,
+            origin: self.check_pos.origin.into(),
+            spheres: self.global_sphere.map(Lanes::from),
+        }
+    }
+
+    /// The candidate's spheres, as it is turned.
+    #[inline]
+    pub(crate) fn shape(&self) -> Shape {
+        Shape {
             arms: self.check_arms.center,
-            count: self.num_sphere,
+            two: self.num_sphere > 1,
         }
     }
 

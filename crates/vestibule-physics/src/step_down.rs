@@ -1,14 +1,13 @@
 //! Stepping up, stepping down and asking for ground (`transition.md` 5.7 to 5.9).
 
 use glam::Vec3;
-use vestibule_world::EnvCell;
+use vestibule_world::{EnvCell, Sphere};
 
-use crate::bsp_tree;
 use crate::constants::{
     DEFAULT_STEP_HEIGHT, FLOOR_Z, MAX_INSERTION_DEPTH, STEP_DOWN_ATTEMPTS, Z_FOR_LANDING,
 };
 use crate::flags::ObjectState;
-use crate::plain_step::{find_open_floor, search_below};
+use crate::plain_step::{down, find_open_floor, search_below};
 use crate::polygon;
 use crate::sphere_path::CellRef;
 use crate::transition::{InsertType, Transition, TransitionState};
@@ -87,21 +86,15 @@ impl Transition<'_, '_> {
         if !self.is_array_certain() || !self.has_statics_afar(cell.id, block) {
             return false;
         }
-        let at = self.path.candidate();
-        let finds_floor = |cell: &EnvCell| {
-            cell.structure.physics.as_ref().is_some_and(|bsp| {
-                let mut search = search_below(cell, &at, h, 1.0, z);
-                bsp_tree::find_walkable(bsp, &mut search);
-                search.found.is_some()
-            })
-        };
+        let (shape, at) = (self.path.shape(), self.path.candidate());
+        let finds_floor = |cell: &EnvCell| search_below(cell, &shape, &at, h, z).is_some();
         if finds_floor(cell) {
             return false;
         }
         for entry in self.other_rooms() {
             let other = block.env_cell(entry.id);
             let is_bare = |other: &EnvCell| {
-                let center = at.spheres[0].center;
+                let center = at.spheres[0].xyz();
                 other.restriction.is_none()
                     && self.has_no_objects_near(other.id, block, center)
                     && !finds_floor(other)
@@ -136,18 +129,18 @@ impl Transition<'_, '_> {
         {
             return false;
         }
-        let down = Vec3::new(0.0, 0.0, -h);
-        let mut lowered = path.candidate();
-        lowered.shift(down);
+        let (shape, mut lowered) = (path.shape(), path.candidate());
+        lowered.shift(down(h));
         let edge_slide = self.object.is(ObjectState::EDGE_SLIDE);
         let supported = edge_slide && self.object.is(ObjectState::ON_WALKABLE);
-        let Some(floor) = find_open_floor(cell, &mut lowered, h, z, supported) else {
+        let Some(floor) = find_open_floor(cell, &shape, &mut lowered, h, z, supported) else {
             return false;
         };
-        let at = lowered.spheres[0].center;
+        let at = lowered.spheres[0].xyz();
         let others = self.other_rooms();
-        if !self.built.holds(cell.id, at)
-            || !lowered.rests_beside(block, others)
+        if !lowered.rests_in(&shape, cell)
+            || !self.built.holds(cell.id, at)
+            || !lowered.rests_beside(&shape, block, others)
             || !self.has_no_objects_near(cell.id, block, at)
             || !others
                 .iter()
@@ -157,11 +150,11 @@ impl Transition<'_, '_> {
         }
         self.path.neg_poly_hit = None;
         self.path.step_down_amt = h;
-        self.path.add_offset_to_check_pos(down);
-        self.path.add_offset_to_check_pos(floor.offset);
+        self.path.add_offset_to_check_pos(Vec3::new(0.0, 0.0, -h));
+        self.path.add_offset_to_check_pos(floor.offset.xyz());
         self.path.walk_interp = floor.walk_interp;
         self.path.obstruction_ethereal = false;
-        self.info.set_contact(floor.plane, false, cell.id);
+        self.info.set_contact(floor.plane.plane(), false, cell.id);
         self.build_cell_array(true);
         true
     }
@@ -173,14 +166,15 @@ impl Transition<'_, '_> {
             return false;
         };
         let path = &self.path;
+        let clear = |s: &Sphere| cell.hints.certainly_clear(s.center.into(), s.radius);
         self.info.contact.valid
             && self.keeps_shape
             && !path.collide
             && cell.id == path.check_pos.cell
             && cell.restriction.is_none()
             && cell.hints.open_is_hollow()
-            && cell.hints.certainly_clear(&path.global_sphere[0])
-            && (path.num_sphere < 2 || cell.hints.certainly_clear(&path.global_sphere[1]))
+            && clear(&path.global_sphere[0])
+            && (path.num_sphere < 2 || clear(&path.global_sphere[1]))
             && self.is_calm()
             && self.has_no_objects_near(cell.id, block, path.global_sphere[0].center)
     }
@@ -223,8 +217,9 @@ impl Transition<'_, '_> {
         polygon::check_walkable(
             walkable.face,
             walkable.bsp.edges(walkable.face),
-            &sphere,
-            walkable.up,
+            sphere.into(),
+            sphere.radius,
+            walkable.up.into(),
         )
     }
 }

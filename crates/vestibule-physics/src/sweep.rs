@@ -2,7 +2,7 @@
 //! (`transition.md` 3.1).
 
 use glam::Vec3;
-use vestibule_world::{CellArray, CellEntry, CellId, Frame, Plane, Position, Sphere, World};
+use vestibule_world::{CellArray, CellEntry, CellId, Frame, Lanes, Plane, Position, Sphere, World};
 
 use crate::collision_info::CollisionInfo;
 use crate::constants::{DUMMY_SPHERE_RADIUS, STEP_HEIGHT_WITHOUT_SETUP};
@@ -11,6 +11,7 @@ use crate::flags::{ObjectKind, ObjectState, PhysicsState};
 use crate::obj_collisions::{ObjectRef, Target};
 use crate::object_info::{ObjectInfo, is_walkable_z};
 use crate::plain_step::plain_step;
+use crate::plain_walls::Known;
 use crate::population::{BodyId, Event, Population};
 use crate::sphere_path::SpherePath;
 use crate::transition::{BuiltArray, InsertType, StaticsCalm, Transition, calc_num_steps, cell_ref};
@@ -283,18 +284,35 @@ pub fn sweep(
     to: &Position,
 ) -> Result<Swept, SweepError> {
     scratch.start();
-    let mut built = BuiltArray::NONE;
-    let offset = from.offset_to(to);
+    let mut found = None;
+    let offset = offset_in_block(from, to);
     let radius = mover.spheres[0].radius;
     // Certainly one step.
     if offset.dot(offset) < 0.99 * (radius * radius)
         && let Some(end) = plain_step(
-            world, population, scratch, mover, carried, from, to, offset, &mut built,
+            world, population, scratch, mover, carried, from, to, offset, &mut found,
         )
     {
         return Ok(end.swept(mover, carried, from.cell, to));
     }
+    let found: Option<Known> = found;
+    let built = match &found {
+        Some(known) => {
+            let spheres = known.cells_at.spheres;
+            BuiltArray::certain(from.cell, spheres, known.to_cells, &scratch.cell_array)
+        }
+        None => BuiltArray::NONE,
+    };
     sweep_any(world, population, scratch, mover, carried, from, to, built)
+}
+
+/// From one position to another of the same landblock, as [`Position::offset_to`]; between landblocks what is no number.
+#[inline(always)]
+fn offset_in_block(from: &Position, to: &Position) -> Lanes {
+    if from.cell.block() != to.cell.block() {
+        return Lanes::splat(f32::NAN);
+    }
+    Lanes::ZERO + Lanes::from(to.frame.origin) - Lanes::from(from.frame.origin)
 }
 
 /// The sweep by the rules. `built` is what is known of the cells around the candidate after the first step.

@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 use vestibule_world::ids::block_offset;
-use vestibule_world::{CellArray, CellEntry, CellId, World, certain_cells, find_cell_list};
+use vestibule_world::{CellArray, CellEntry, CellId, Lanes, World, certain_cells, find_cell_list};
 
 use crate::collision_info::CollisionInfo;
 use crate::constants::{EPSILON, MOVE_ATTEMPTS};
@@ -41,7 +41,8 @@ pub(crate) enum InsertType {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BuiltArray {
     seed: CellId,
-    centers: [Vec3; 2],
+    /// Of the spheres.
+    centers: [Lanes; 2],
     /// How far the spheres may be shifted together without changing anything, squared.
     reach: f32,
     /// The array lists the seed only.
@@ -57,7 +58,7 @@ impl BuiltArray {
     /// Nothing has been built.
     pub(crate) const NONE: BuiltArray = BuiltArray {
         seed: CellId::NONE,
-        centers: [Vec3::NAN; 2],
+        centers: [Lanes::splat(f32::NAN); 2],
         reach: 0.0,
         alone: false,
         want_cell: false,
@@ -68,7 +69,7 @@ impl BuiltArray {
 
     /// The array that [`vestibule_world::certain_cells`] left, good for shifts of less than `distance`.
     #[inline(always)]
-    pub(crate) fn certain(seed: CellId, centers: [Vec3; 2], distance: f32, array: &CellArray) -> Self {
+    pub(crate) fn certain(seed: CellId, centers: [Lanes; 2], distance: f32, array: &CellArray) -> Self {
         if !(distance > 0.0) {
             return BuiltArray {
                 failed_in: seed,
@@ -90,7 +91,7 @@ impl BuiltArray {
     /// Whether the array is certainly right for a candidate in the cell `seed` whose foot sphere is at `foot`.
     #[inline(always)]
     pub(crate) fn holds(&self, seed: CellId, foot: Vec3) -> bool {
-        let shift = foot - self.centers[0];
+        let shift = Lanes::from(foot) - self.centers[0];
         self.seed == seed && shift.dot(shift) < self.reach
     }
 }
@@ -208,7 +209,7 @@ impl<'w> Transition<'w, '_> {
         let path = &self.path;
         let seed = path.check_pos.cell;
         let spheres = &path.global_sphere[..path.num_sphere];
-        let centers = [path.global_sphere[0].center, path.global_sphere[1].center];
+        let centers = path.global_sphere.map(Lanes::from);
         let built = &self.built;
         let same = built.seed == seed && built.centers == centers && (built.want_cell || !want_cell);
         if same && !self.world.settings().exact {

@@ -1,9 +1,20 @@
 //! Inserting the candidate into its cell and the cells around it (`transition.md` 5.1 to 5.6).
 
+use vestibule_world::CellId;
+
 use crate::constants::{DEFAULT_STEP_HEIGHT, FLOOR_Z, MAX_INSERTION_DEPTH, Z_FOR_LANDING};
 use crate::flags::ObjectState;
+use crate::plain_step::Candidate;
 use crate::sphere_path::{CellRef, Pose};
 use crate::transition::{InsertType, Transition, TransitionState};
+
+/// What an attempt of an insertion starts from.
+struct Beginning {
+    cell: CellId,
+    pose: Candidate,
+    /// Not in contact, and no surface was met in the air.
+    plain: bool,
+}
 
 impl<'w> Transition<'w, '_> {
     /// Tries the candidate up to `n` times, as each attempt may move it (5.1).
@@ -23,6 +34,7 @@ impl<'w> Transition<'w, '_> {
     fn insert_attempts(&mut self, n: u32) -> TransitionState {
         let mut ts = TransitionState::Invalid;
         for _ in 0..n {
+            let before = self.beginning();
             ts = self.insert_into_cell(self.path.check_cell, n);
             match ts {
                 TransitionState::Ok => {
@@ -35,6 +47,9 @@ impl<'w> Transition<'w, '_> {
                 TransitionState::Slid => {
                     self.info.clear_contact_plane();
                     self.path.neg_poly_hit = None;
+                    if self.would_do_the_same_again(&before) {
+                        return ts;
+                    }
                 }
                 _ => self.path.neg_poly_hit = None,
             }
@@ -56,6 +71,9 @@ impl<'w> Transition<'w, '_> {
                     }
                 } else {
                     ts = self.slide_foot_sphere(hit.normal);
+                }
+                if ts == TransitionState::Slid && self.would_do_the_same_again(&before) {
+                    return ts;
                 }
                 continue;
             }
@@ -82,14 +100,41 @@ impl<'w> Transition<'w, '_> {
         };
         let mut ts = TransitionState::Invalid;
         for _ in 0..n {
+            let before = self.beginning();
             ts = self.find_collisions_in_cell(cell);
             match ts {
                 TransitionState::Ok | TransitionState::Collided => return ts,
-                TransitionState::Slid => self.info.clear_contact_plane(),
+                TransitionState::Slid => {
+                    self.info.clear_contact_plane();
+                    if self.would_do_the_same_again(&before) {
+                        return ts;
+                    }
+                }
                 _ => {}
             }
         }
         ts
+    }
+
+    /// What an attempt starts from.
+    #[inline(always)]
+    fn beginning(&self) -> Beginning {
+        Beginning {
+            cell: self.path.check_pos.cell,
+            pose: self.path.candidate(),
+            plain: !self.info.contact.valid && !self.path.collide,
+        }
+    }
+
+    /// Whether an attempt that slid left everything as it was `before`: another would come to the same.
+    #[inline(always)]
+    fn would_do_the_same_again(&self, before: &Beginning) -> bool {
+        let now = self.beginning();
+        now.pose.has_bits_of(&before.pose)
+            && now.cell == before.cell
+            && now.plain
+            && before.plain
+            && !self.world.settings().exact
     }
 
     /// Tests the candidate against the other cells it reaches, and finds the cell that contains it (5.3).

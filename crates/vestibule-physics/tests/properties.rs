@@ -1,19 +1,15 @@
 //! What holds for every sweep, and what becomes of input that makes no sense (issue "The sweep", `transition.md` 10).
 
-#[path = "../../vestibule-world/tests/common/mod.rs"]
-#[allow(unused_imports, reason = "shared with another crate's tests")]
-mod records;
-
 use std::sync::Arc;
 
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
-use records::{Builder, Room};
 use vestibule_dat::record::Stab;
 use vestibule_physics::{
     Body, Carried, ContactPlane, Locomotion, Motion, Mover, Placed, Placement, Population, Scratch,
     SetPositionError, Simulation, SweepError, Swept, place, sweep,
 };
+use vestibule_testing::records::{Builder, Room};
 use vestibule_world::{BlockId, CellId, CylSphere, Frame, Plane, Position, Shape, Sphere, World};
 
 const BLOCK: u16 = 0xA9B4;

@@ -1,12 +1,10 @@
 //! Looking into buildings: `visibility.md` 8, examples V18-V20 and V34.
 
 mod common;
-#[path = "../../vestibule-world/tests/common/mod.rs"]
-#[allow(unused_imports, reason = "shared with another crate's tests")]
-mod records;
 
 use common::*;
 use glam::Vec3;
+use vestibule_testing::records;
 use vestibule_view::{
     BlockOpenings, Camera, DoorSpec, FloodArena, FloodSettings, HouseSpec, LookIns, PView, Region,
 };
@@ -147,6 +145,91 @@ fn v34_an_eye_in_the_plane_of_a_door() {
     );
     let (looks, _) = look(&house, &camera, &view, FloodSettings::retail());
     assert!(looks.list().is_empty(), "retail does not emit it");
+}
+
+/// A look along the facade from right before the door, `x` to the side: the one look, whether the eye is in the door,
+/// and the bounds of what is punched and of what is seen.
+fn along_the_facade(x: f32, y: f32) -> Option<(u32, Option<[f32; 4]>, [f32; 4])> {
+    let house = house(0.0, (-1.0, 1.0), TALL);
+    let camera = outdoors(v(x, y, 1.5), Vec3::X);
+    let screen = whole_screen(&camera);
+    let (looks, floods) = look(&house, &camera, &[Region::new(&screen)], FloodSettings::default());
+    assert!(looks.list().len() <= 1);
+    let look = looks.list().first()?;
+    let punch = looks.punch(look);
+    let punch = (!punch.edges().is_empty()).then(|| slopes(&camera, punch));
+    let flood = floods.get(look.flood as usize).unwrap();
+    let seen = slopes(&camera, flood.regions(&flood.cells()[0]).next().unwrap());
+    Some((flood.counters().on_plane, punch, seen))
+}
+
+#[test]
+fn s12_2_a_door_is_looked_through_whole_from_0_2_mm_to_either_side_of_its_plane() {
+    use vestibule_view::constants::EPSILON;
+    let beyond = f32::from_bits(EPSILON.to_bits() + 1);
+    for y in [0.5 * EPSILON, EPSILON, -0.5 * EPSILON, -EPSILON] {
+        let (on_plane, punch, seen) = along_the_facade(0.0, y).unwrap();
+        assert_eq!(on_plane, 1, "{y}");
+        assert_bounds(seen, [-1.0, 1.0, -1.0, 1.0]);
+        // Only the view is widened: half of the screen is punched, to the left, where the facade is.
+        if y < 0.0 {
+            let punch = punch.unwrap();
+            assert!(punch[0] < -0.999 && punch[1].abs() < 1e-3, "{y}: {punch:?}");
+        }
+    }
+    assert!(
+        along_the_facade(0.0, beyond).is_none(),
+        "behind it there is no door"
+    );
+    let (on_plane, _, seen) = along_the_facade(0.0, -beyond).unwrap();
+    assert_eq!(on_plane, 0);
+    assert!(seen[1] < 0.01, "{seen:?}");
+}
+
+#[test]
+fn s12_2_a_door_is_grown_by_a_centimetre() {
+    for (x, inside) in [(1.009, true), (-1.009, true), (1.011, false), (-1.011, false)] {
+        let on_plane = along_the_facade(x, 0.0).map_or(0, |(on_plane, ..)| on_plane);
+        assert_eq!(on_plane, u32::from(inside), "{x}");
+    }
+}
+
+#[test]
+fn s12_2_a_door_of_several_pieces_is_looked_through_once_from_its_plane() {
+    // A door with a step in its threshold, cut into convex pieces; the eye is in one of them.
+    let mut house = house(0.0, (-1.0, 1.0), TALL);
+    let stepped = [
+        (1.0, 0.0),
+        (0.0, 0.0),
+        (0.0, 0.5),
+        (-1.0, 0.5),
+        (-1.0, 2.5),
+        (1.0, 2.5),
+    ];
+    let door = DoorSpec {
+        target: id(0),
+        other_portal: Some(0),
+        vertices: stepped.iter().map(|&(x, z)| v(x, 0.0, z)).collect(),
+        interior_is_negative: true,
+        stab_list: vec![id(0)],
+    };
+    let spec = HouseSpec {
+        frame: Frame::IDENTITY,
+        doors: vec![door],
+    };
+    house.openings = house.rooms.build().with_houses(&[spec]);
+    for eye in [v(0.5, 0.0, 0.2), v(-0.5, 0.0, 2.0), v(0.5, -0.0001, 0.2)] {
+        let camera = outdoors(eye, Vec3::Y);
+        let screen = whole_screen(&camera);
+        let (looks, floods) = look(&house, &camera, &[Region::new(&screen)], FloodSettings::default());
+        assert_eq!((looks.list().len(), floods.len()), (1, 1), "{eye}");
+        let flood = floods.get(0).unwrap();
+        assert_eq!(flood.counters().on_plane, 1, "{eye}");
+        assert_bounds(
+            slopes(&camera, flood.regions(&flood.cells()[0]).next().unwrap()),
+            [-1.0, 1.0, -1.0, 1.0],
+        );
+    }
 }
 
 #[test]

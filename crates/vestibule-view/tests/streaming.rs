@@ -1,11 +1,7 @@
 //! Openings in a world whose landblocks come and go.
 
-#[path = "../../vestibule-world/tests/common/mod.rs"]
-#[allow(unused_imports, reason = "shared with another crate's tests")]
-mod records;
-
 use glam::{Quat, Vec3};
-use records::{Builder, Room};
+use vestibule_testing::records::{Builder, Room};
 use vestibule_view::Openings;
 use vestibule_world::{BlockId, CellId, CellManager, Frame, Position, ResidencySettings, World};
 

@@ -1,52 +1,63 @@
-//! Boxes of polygons in groups of four: which faces of a physics BSP a sphere is near, without a walk.
+//! Planes and boxes of polygons in groups of four: which faces of a physics BSP a sphere is near, without a walk.
 
 use glam::Vec3;
 
-use crate::geometry::BoundingBox;
+use crate::constants::EPSILON;
+use crate::geometry::{BoundingBox, Plane};
+use crate::lanes::Lanes;
 use crate::physics_bsp::Face;
 
-/// The boxes of four polygons side by side, so that a sphere is held against all four at once.
+/// The planes and boxes of four polygons side by side, so that a sphere is held against all four at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BoxQuad {
-    center: [[f32; 4]; 3],
-    half: [[f32; 4]; 3],
+    planes: [Lanes; 4],
+    center: [Lanes; 3],
+    half: [Lanes; 3],
     /// Positions in the faces.
     pub(crate) faces: [u32; 4],
 }
 
 impl BoxQuad {
-    /// Boxes that nothing is near.
-    const EMPTY: BoxQuad = BoxQuad {
-        center: [[0.0; 4]; 3],
-        half: [[f32::NEG_INFINITY; 4]; 3],
-        faces: [0; 4],
-    };
-
-    /// Which boxes the cube around a sphere meets.
+    /// Which polygons a sphere may overlap, a bit each, and the distances of its centre from their planes: those whose
+    /// planes it reaches into by more than epsilon, and whose boxes the cube around it meets.
     #[inline(always)]
-    pub(crate) fn near(&self, p: Vec3, radius: f32) -> u32 {
-        // Axis by axis, leaving early: which is also what compiles to four lanes at once.
-        let mut bits = within(p.x, radius, &self.center[0], &self.half[0]);
-        if bits != 0 {
-            bits &= within(p.y, radius, &self.center[1], &self.half[1]);
+    pub(crate) fn near(&self, s: Lanes) -> (u32, Lanes) {
+        let (p, radius) = (s.xyz(), s.fourth());
+        let distances = Lanes::four_distances(&self.planes, p);
+        let mut bits = !Lanes::splat(radius - EPSILON).less(distances.abs()) & 0b1111;
+        for (axis, x) in [p.x, p.y, p.z].into_iter().enumerate() {
+            // Leaving early.
+            if bits != 0 {
+                let away = (Lanes::splat(x) - self.center[axis]).abs();
+                bits &= !(self.half[axis] + Lanes::splat(radius)).less(away);
+            }
         }
-        if bits != 0 {
-            bits &= within(p.z, radius, &self.center[2], &self.half[2]);
-        }
-        bits
+        (bits, distances)
     }
 }
 
-/// Which of four intervals on an axis are within `radius` of `x`.
-#[inline(always)]
-fn within(x: f32, radius: f32, center: &[f32; 4], half: &[f32; 4]) -> u32 {
-    let mut bits = 0;
-    for k in 0..4 {
-        let far = half[k] + radius < (x - center[k]).abs();
-        bits |= u32::from(!far) << k;
+impl BoxQuad {
+    /// How far a sphere may be shifted and does not come nearer to a polygon's plane than its radius less epsilon, or
+    /// does not meet its box: of the better the least. Zero or less: nothing is certain.
+    #[inline(always)]
+    pub(crate) fn clearances(&self, s: Lanes) -> Lanes {
+        let (p, radius) = (s.xyz(), s.fourth());
+        let mut clear = Lanes::four_distances(&self.planes, p).abs() - Lanes::splat(radius - EPSILON);
+        if clear.less(Lanes::splat(f32::MIN_POSITIVE)) != 0 {
+            for (axis, x) in [p.x, p.y, p.z].into_iter().enumerate() {
+                let away = (Lanes::splat(x) - self.center[axis]).abs();
+                clear = clear.greater(away - (self.half[axis] + Lanes::splat(radius)));
+            }
+        }
+        clear
     }
-    bits
 }
+
+/// A plane that nothing is near.
+const NOWHERE: Plane = Plane {
+    normal: Vec3::ZERO,
+    d: f32::INFINITY,
+};
 
 /// Trees with more polygons than this are only ever walked.
 const MAX_SCANNED_FACES: usize = 96;
@@ -66,28 +77,38 @@ pub(crate) struct BoxQuads {
 }
 
 impl BoxQuads {
-    /// `boxes` has the boxes of the faces. `None` for large trees.
+    /// `boxes` has the boxes of the faces. `None` for large trees and such with planes that are no numbers.
     pub(crate) fn new(faces: &[Face], boxes: &[BoundingBox]) -> Option<Self> {
         let mut seen = std::collections::BTreeSet::new();
         let mut order: Vec<usize> = (0..faces.len())
             .filter(|&i| faces[i].edge_count != 0 && seen.insert(faces[i].polygon))
             .collect();
-        if order.len() > MAX_SCANNED_FACES {
+        let finite = |i: &usize| Lanes::of_plane(&faces[*i].plane).all_finite();
+        if order.len() > MAX_SCANNED_FACES || !order.iter().all(finite) {
             return None;
         }
         let looks_up = |i: &usize| faces[*i].plane.normal.z >= LOOKS_UP;
         order.sort_by_key(|i| !looks_up(i));
         let up = order.iter().take_while(|i| looks_up(i)).count();
         let quads = order.chunks(4).map(|chunk| {
-            let mut quad = BoxQuad::EMPTY;
+            let mut planes = [NOWHERE; 4];
+            let mut center = [Lanes::ZERO; 3];
+            let mut half = [Lanes::splat(f32::NEG_INFINITY); 3];
+            let mut indices = [0; 4];
             for (k, &i) in chunk.iter().enumerate() {
                 for axis in 0..3 {
-                    quad.center[axis][k] = (boxes[i].min[axis] + boxes[i].max[axis]) * 0.5;
-                    quad.half[axis][k] = (boxes[i].max[axis] - boxes[i].min[axis]) * 0.5;
+                    center[axis].set_lane(k, (boxes[i].min[axis] + boxes[i].max[axis]) * 0.5);
+                    half[axis].set_lane(k, (boxes[i].max[axis] - boxes[i].min[axis]) * 0.5);
                 }
-                quad.faces[k] = i as u32;
+                planes[k] = faces[i].plane;
+                indices[k] = i as u32;
             }
-            quad
+            BoxQuad {
+                planes: Lanes::side_by_side(planes),
+                center,
+                half,
+                faces: indices,
+            }
         });
         Some(BoxQuads {
             quads: quads.collect(),

@@ -2,13 +2,17 @@
 //! sweep (`world.md` 10.1, 11, 13). Answers are those of [`crate::find_cell_list`] or none at all.
 
 use crate::cell_array::CellArray;
+use glam::Vec3;
+
 use crate::constants::SQUARE_LENGTH;
-use crate::env_cell::{EnvCell, PortalTarget};
+use crate::env_cell::{CellPortal, EnvCell, PortalTarget};
 use crate::geometry::Sphere;
 use crate::ids::CellId;
 use crate::landblock::Landblock;
+use crate::lanes::Lanes;
 use crate::terrain::{LandCell, Split};
-use crate::transit_hints::{TransitHints, UNIT_TOLERANCE};
+use crate::transit::add_all_outside_cells;
+use crate::transit_hints::UNIT_TOLERANCE;
 use crate::world::World;
 
 /// Fills `array` with what [`crate::find_cell_list`] would, if that is certain, and says how far `spheres` may be
@@ -25,7 +29,7 @@ pub fn certain_cells(world: &World, seed: CellId, spheres: &[Sphere], array: &mu
             .map_or(0.0, |cell| certain_rooms(block, cell, spheres, array))
     } else {
         block.land_cell(seed).map_or(0.0, |cell| {
-            certain_land_cell(world, block, seed, cell, spheres, array)
+            certain_land_cells(world, block, seed, cell, spheres, array)
         })
     }
 }
@@ -34,9 +38,6 @@ pub fn certain_cells(world: &World, seed: CellId, spheres: &[Sphere], array: &mu
 #[inline(never)]
 pub fn certain_rooms(block: &Landblock, cell: &EnvCell, spheres: &[Sphere], array: &mut CellArray) -> f32 {
     array.start(cell.id, true);
-    if !spheres.is_empty() && spheres.iter().all(|s| cell.hints.is_quiet(s)) {
-        return TransitHints::QUIET_SHIFT;
-    }
     match flood(block, cell, spheres, array) {
         Some(distance) if distance > 0.0 => distance,
         _ => {
@@ -75,37 +76,53 @@ fn through_portals(
 ) -> Option<f32> {
     /// Nearer than this, what is behind a portal is looked at closely, metres.
     const NEAR: f32 = 0.1;
-    let mut least = f32::INFINITY;
-    for (index, portal) in cell.portals.iter().enumerate() {
-        let mut limit = cell.hints.distance_away(index, spheres);
-        if !(limit > NEAR) {
-            let behind = match portal.other {
-                PortalTarget::Cell(id) if array.contains(id) => continue,
-                PortalTarget::Cell(id) if id.block() == block.id => block.env_cell(id),
-                _ => None,
-            };
-            match behind {
-                Some(other) => {
-                    let (touches, distance) = other.hints.distance_to_change(spheres);
-                    if touches {
-                        array.add(other.id, true);
-                        limit = distance;
-                    } else {
-                        limit = if distance > limit { distance } else { limit };
-                    }
-                }
-                None if limit > 0.0 => {}
-                None => return None,
-            }
+    let mut least = Lanes::splat(f32::INFINITY);
+    let mut first = 0;
+    for mut limits in cell.hints.distances_away(spheres) {
+        // Also what is no number.
+        let mut near = !Lanes::splat(NEAR).less(limits) & 0b1111;
+        while near != 0 {
+            let k = near.trailing_zeros() as usize;
+            near &= near - 1;
+            let portal = cell.portals.get(first + k)?;
+            let limit = look_behind(block, portal, limits.lane(k), spheres, array)?;
+            limits.set_lane(k, limit);
         }
-        least = if limit < least { limit } else { least };
+        least = limits.lesser(least);
+        first += 4;
     }
-    Some(least)
+    // A cell without hints.
+    (first >= cell.portals.len()).then(|| least.least())
 }
 
-/// As [`certain_cells`] on land: one land cell only.
+/// What limits the shift near a portal of which no more is known than `limit`; adds the room behind it if it is touched.
 #[inline]
-pub fn certain_land_cell(
+fn look_behind(
+    block: &Landblock,
+    portal: &CellPortal,
+    limit: f32,
+    spheres: &[Sphere],
+    array: &mut CellArray,
+) -> Option<f32> {
+    let behind = match portal.other {
+        PortalTarget::Cell(id) if array.contains(id) => return Some(f32::INFINITY),
+        PortalTarget::Cell(id) if id.block() == block.id => block.env_cell(id),
+        _ => None,
+    };
+    let Some(other) = behind else {
+        return (limit > 0.0).then_some(limit);
+    };
+    let (touches, distance) = other.hints.distance_to_change(spheres);
+    if touches {
+        array.add(other.id, true);
+        return Some(distance);
+    }
+    Some(if distance > limit { distance } else { limit })
+}
+
+/// As [`certain_cells`] on land: land cells of the same landblock only.
+#[inline]
+pub fn certain_land_cells(
     world: &World,
     block: &Landblock,
     seed: CellId,
@@ -114,42 +131,90 @@ pub fn certain_land_cell(
     array: &mut CellArray,
 ) -> f32 {
     array.clear();
-    let distance = calm_on_land(world, block, seed, cell, spheres);
-    if distance > 0.0 {
-        array.start(seed, true);
-        array.added_outside = true;
+    let borders = to_borders(seed, spheres);
+    let mut least = borders.distance;
+    let d = to_diagonal(seed, cell, spheres);
+    least = if d < least { d } else { least };
+    if !(least > 0.0) {
+        return 0.0;
     }
-    distance
+    array.start(seed, true);
+    if borders.crossed {
+        let Some(foot) = spheres.first() else { return 0.0 };
+        add_all_outside_cells(world, seed, foot.center, spheres, array);
+    }
+    array.added_outside = true;
+    for entry in array.entries() {
+        let d = match block.land_cell(entry.id) {
+            Some(cell) if entry.id.block() == block.id => to_building(world, block, cell, spheres),
+            _ => 0.0,
+        };
+        least = if d < least { d } else { least };
+    }
+    if least > 0.0 {
+        return least;
+    }
+    array.clear();
+    0.0
 }
 
-/// How far spheres may be shifted and touch one land cell only, the first centre on its side of the diagonal: from
-/// its borders, its diagonal and what is behind its building's portals.
-#[inline]
-fn calm_on_land(world: &World, block: &Landblock, seed: CellId, cell: &LandCell, spheres: &[Sphere]) -> f32 {
-    /// Many times the rounding of coordinates inside a landblock, metres.
-    const SLACK: f32 = 0.01;
+/// Many times the rounding of coordinates inside a landblock, metres.
+const LAND_SLACK: f32 = 0.01;
+
+/// What spheres are to the borders of the land cell that holds their centres.
+struct Borders {
+    /// How far they may be shifted without crossing another border, or one less, metres.
+    distance: f32,
+    /// They reach over some.
+    crossed: bool,
+}
+
+/// The coordinates of a point from its land cell's south-west corner, metres.
+#[inline(always)]
+fn in_land_cell(seed: CellId, p: Vec3) -> (f32, f32) {
     let low = seed.low() - 1;
-    let (x0, y0) = (
-        f32::from(low >> 3) * SQUARE_LENGTH,
-        f32::from(low & 7) * SQUARE_LENGTH,
-    );
-    let mut least = f32::INFINITY;
+    (
+        p.x - f32::from(low >> 3) * SQUARE_LENGTH,
+        p.y - f32::from(low & 7) * SQUARE_LENGTH,
+    )
+}
+
+#[inline(always)]
+fn to_borders(seed: CellId, spheres: &[Sphere]) -> Borders {
+    let mut found = Borders {
+        distance: f32::INFINITY,
+        crossed: false,
+    };
     for s in spheres {
-        let (u, v) = (s.center.x - x0, s.center.y - y0);
-        for d in [u, v, SQUARE_LENGTH - u, SQUARE_LENGTH - v] {
-            let d = d - s.radius - SLACK;
-            least = if d < least { d } else { least };
-        }
+        let (u, v) = in_land_cell(seed, s.center);
+        let borders = Lanes::new(Vec3::new(u, v, SQUARE_LENGTH - u), SQUARE_LENGTH - v);
+        let rims = borders - Lanes::splat(s.radius);
+        // The centre stays inside; the rim stays on its side.
+        let limits = rims.abs().lesser(borders);
+        found.crossed |= rims.less(Lanes::ZERO) != 0;
+        let d = limits.least() - LAND_SLACK;
+        found.distance = if d < found.distance { d } else { found.distance };
     }
+    found
+}
+
+/// How far the first sphere's centre is from the diagonal between the land cell's triangles, metres.
+#[inline(always)]
+fn to_diagonal(seed: CellId, cell: &LandCell, spheres: &[Sphere]) -> f32 {
     let Some(foot) = spheres.first() else { return 0.0 };
-    let (u, v) = (foot.center.x - x0, foot.center.y - y0);
+    let (u, v) = in_land_cell(seed, foot.center);
     let diagonal = match cell.split {
         Split::SwNe => u - v,
         Split::SeNw => u + v - SQUARE_LENGTH,
     };
-    // The point must also keep to one side of the diagonal; its distance is 0.707 times this.
-    let d = diagonal.abs() * 0.7 - SLACK;
-    least = if d < least { d } else { least };
+    // The distance is 0.707 times this.
+    diagonal.abs() * 0.7 - LAND_SLACK
+}
+
+/// How far spheres may be shifted and stay out of what is behind the portals of a land cell's building, metres.
+#[inline(always)]
+fn to_building(world: &World, block: &Landblock, cell: &LandCell, spheres: &[Sphere]) -> f32 {
+    let mut least = f32::INFINITY;
     if let Some(building) = cell.building.and_then(|i| block.buildings.get(usize::from(i))) {
         for portal in &building.portals {
             let Some(behind) = world.env_cell(portal.other) else {

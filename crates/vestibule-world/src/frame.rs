@@ -2,6 +2,9 @@
 
 use glam::{Quat, Vec3};
 
+use crate::geometry::Plane;
+use crate::lanes::Lanes;
+
 /// An origin and a rotation that take local coordinates to the enclosing frame (for positions: the frame of
 /// the landblock named in the cell id). Metres.
 ///
@@ -12,9 +15,10 @@ pub struct Frame {
     /// Where the local origin lies in the enclosing frame, metres.
     pub origin: Vec3,
     rotation: Quat,
+    /// The local axes in the enclosing frame. Not in lanes: positions are copied about, and a fourth more is felt.
     rows: [Vec3; 3],
-    /// The rows turned, padded to four lanes: what [`Frame::global_to_local_vec`] multiplies with.
-    columns: [[f32; 4]; 3],
+    /// The rows turned: what [`Frame::global_to_local_vec`] multiplies with.
+    columns: [Lanes; 3],
 }
 
 impl Default for Frame {
@@ -29,7 +33,7 @@ impl Frame {
         origin: Vec3::ZERO,
         rotation: Quat::IDENTITY,
         rows: [Vec3::X, Vec3::Y, Vec3::Z],
-        columns: columns(&[Vec3::X, Vec3::Y, Vec3::Z]),
+        columns: AXES,
     };
 
     /// A frame from its parts; the quaternion is used as it is, not normalised.
@@ -68,6 +72,23 @@ impl Frame {
         &self.rows
     }
 
+    /// The enclosing frame's z axis in local coordinates.
+    #[inline(always)]
+    pub fn up(&self) -> Lanes {
+        self.columns[2]
+    }
+
+    /// A plane in the enclosing frame, its `d` in the fourth lane: through the foot of the local plane's normal
+    /// (`transition.md` 1.5.9).
+    #[inline]
+    pub fn plane_out(&self, plane: &Plane) -> Lanes {
+        let plane = Lanes::of_plane(plane);
+        let normal = self.turned_out(plane);
+        let foot = Lanes::from(self.origin) + self.turned_out(plane * -plane.fourth());
+        // Retail adds the offset between landblocks, here zero, which takes the sign of a zero away.
+        normal.with_fourth(-normal.dot(Lanes::ZERO + foot))
+    }
+
     /// A local point in the enclosing frame (retail `localtoglobal`).
     #[inline]
     pub fn local_to_global(&self, p: Vec3) -> Vec3 {
@@ -77,12 +98,13 @@ impl Frame {
     /// A local direction in the enclosing frame (retail `localtoglobalvec`).
     #[inline(always)]
     pub fn local_to_global_vec(&self, v: Vec3) -> Vec3 {
-        let [a, b, c] = &self.rows;
-        Vec3::new(
-            v.x * a.x + v.y * b.x + v.z * c.x,
-            v.x * a.y + v.y * b.y + v.z * c.y,
-            v.x * a.z + v.y * b.z + v.z * c.z,
-        )
+        self.turned_out(v.into()).xyz()
+    }
+
+    /// As [`Frame::local_to_global_vec`].
+    #[inline(always)]
+    pub fn turned_out(&self, v: Lanes) -> Lanes {
+        Lanes::combined(&self.rows.map(Lanes::from), v)
     }
 
     /// A point of the enclosing frame in local coordinates (retail `globaltolocal`).
@@ -94,13 +116,14 @@ impl Frame {
     /// A direction of the enclosing frame in local coordinates (retail `globaltolocalvec`).
     #[inline(always)]
     pub fn global_to_local_vec(&self, v: Vec3) -> Vec3 {
+        self.turned_in(v.into()).xyz()
+    }
+
+    /// As [`Frame::global_to_local_vec`].
+    #[inline(always)]
+    pub fn turned_in(&self, v: Lanes) -> Lanes {
         // Lane i is the dot product with row i, its terms added in order.
-        let [a, b, c] = &self.columns;
-        let mut out = [0.0; 4];
-        for i in 0..4 {
-            out[i] = v.x * a[i] + v.y * b[i] + v.z * c[i];
-        }
-        Vec3::new(out[0], out[1], out[2])
+        Lanes::combined(&self.columns, v)
     }
 
     /// `inner`, given in this frame, expressed in the enclosing one; the product is renormalised
@@ -118,9 +141,20 @@ impl Frame {
     }
 }
 
-const fn columns(rows: &[Vec3; 3]) -> [[f32; 4]; 3] {
+const AXES: [Lanes; 3] = [
+    Lanes::new(Vec3::X, 0.0),
+    Lanes::new(Vec3::Y, 0.0),
+    Lanes::new(Vec3::Z, 0.0),
+];
+
+fn columns(rows: &[Vec3; 3]) -> [Lanes; 3] {
     let [a, b, c] = rows;
-    [[a.x, b.x, c.x, 0.0], [a.y, b.y, c.y, 0.0], [a.z, b.z, c.z, 0.0]]
+    [
+        Vec3::new(a.x, b.x, c.x),
+        Vec3::new(a.y, b.y, c.y),
+        Vec3::new(a.z, b.z, c.z),
+    ]
+    .map(Lanes::from)
 }
 
 /// The quaternion at unit length; the identity when it has none.

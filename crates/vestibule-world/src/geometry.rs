@@ -6,6 +6,7 @@ use crate::constants::EPSILON;
 
 /// A plane: `normal · p + d = 0`; the positive side is where the normal points.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[repr(C)]
 pub struct Plane {
     /// Unit normal (zero for a degenerate polygon).
     pub normal: Vec3,
@@ -80,6 +81,7 @@ impl Plane {
 
 /// A sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[repr(C)]
 pub struct Sphere {
     /// Centre, metres.
     pub center: Vec3,

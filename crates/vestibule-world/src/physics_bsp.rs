@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::box_quads::BoxQuads;
 use crate::constants::EPSILON;
 use crate::geometry::{BoundingBox, Plane, Side, Sphere};
+use crate::lanes::{LaneBox, Lanes};
 use crate::open_box::open_box;
 use crate::polygon::PolygonSet;
 
@@ -93,17 +94,9 @@ pub struct Face {
     pub sound: bool,
     /// The first and last time that a walk of everything, fronts first, comes by the polygon.
     met: (u32, u32),
-    /// Points of the polygon's plane in this rectangle are certainly on the inner side of all edges.
-    inner: InnerRect,
-}
-
-/// A rectangle square to two axes; inside out when it holds nothing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct InnerRect {
-    /// Across the other axis; 0, 1 or 2.
-    axis: u32,
-    min: [f32; 2],
-    max: [f32; 2],
+    /// Points of the polygon's plane in this box are certainly on the inner side of all edges. It is endless along an
+    /// axis.
+    inner: LaneBox,
 }
 
 impl Face {
@@ -115,14 +108,8 @@ impl Face {
 
     /// Whether a point of the polygon's plane is certainly on the inner side of all edges.
     #[inline(always)]
-    pub fn certainly_inside(&self, p: Vec3) -> bool {
-        let InnerRect { axis, min, max } = &self.inner;
-        let (u, v) = match axis {
-            0 => (p.y, p.z),
-            1 => (p.x, p.z),
-            _ => (p.x, p.y),
-        };
-        u > min[0] && u < max[0] && v > min[1] && v < max[1]
+    pub fn certainly_inside(&self, p: Lanes) -> bool {
+        self.inner.holds(p)
     }
 }
 
@@ -151,8 +138,10 @@ pub struct PhysicsBsp {
     polygons: PolygonSet,
     /// Which faces a sphere is near; `None` for large trees.
     quads: Option<BoxQuads>,
-    /// No polygon enters this box; empty (inside out) when there is none.
-    open: BoundingBox,
+    /// No polygon enters this box; empty when there is none.
+    open: LaneBox,
+    /// No leaf is solid and has polygons.
+    is_hollow: bool,
     /// No leaf that is solid and has polygons reaches into `open`.
     open_is_hollow: bool,
 }
@@ -199,7 +188,7 @@ impl PhysicsBsp {
                 polygon: index,
                 sound: false,
                 met: (0, u32::MAX),
-                inner: NO_RECT,
+                inner: LaneBox::NOTHING,
             });
         }
         let mut boxes = Vec::with_capacity(faces.len());
@@ -212,7 +201,7 @@ impl PhysicsBsp {
             let around = BoundingBox::of(vertices.iter().copied());
             boxes.extend(around);
             let around = around.filter(|b| is_plain(&face.plane, b, vertices, edges));
-            face.inner = around.map_or(NO_RECT, |b| inner_rect(&face.plane, &b, edges));
+            face.inner = around.map_or(LaneBox::NOTHING, |b| inner_rect(&face.plane, &b, edges));
             reaches.push(around.map_or(ENDLESS, |b| BoundingBox {
                 min: b.min - Vec3::splat(REACH_SLACK),
                 max: b.max + Vec3::splat(REACH_SLACK),
@@ -220,7 +209,8 @@ impl PhysicsBsp {
         }
         let mut bsp = PhysicsBsp {
             quads: BoxQuads::new(&faces, &reaches),
-            open: open_box(&boxes).unwrap_or(NO_BOX),
+            open: open_box(&boxes).map_or(LaneBox::NOTHING, |b| LaneBox::new(&b)),
+            is_hollow: !leaves.iter().any(|l| l.solid && l.count != 0),
             open_is_hollow: false,
             root,
             nodes: nodes.into(),
@@ -236,11 +226,12 @@ impl PhysicsBsp {
     /// Leaves only the tree itself: every question is answered by a walk.
     pub(crate) fn forget_hints(&mut self) {
         self.quads = None;
-        self.open = NO_BOX;
+        self.open = LaneBox::NOTHING;
+        self.is_hollow = false;
         self.open_is_hollow = false;
         for face in &mut self.faces {
             face.sound = false;
-            face.inner = NO_RECT;
+            face.inner = LaneBox::NOTHING;
         }
     }
 
@@ -351,9 +342,10 @@ impl PhysicsBsp {
         let mut open = vec![at];
         // Centres of spheres keep away from the sides.
         let inset = Vec3::splat(LEAST_CLEAR_RADIUS - 0.01);
+        let space = self.open.bounds();
         let centers = BoundingBox {
-            min: self.open.min + inset,
-            max: self.open.max - inset,
+            min: space.min + inset,
+            max: space.max - inset,
         };
         let mut steps = 0;
         while let Some(at) = open.pop() {
@@ -420,43 +412,49 @@ impl PhysicsBsp {
     /// Whether a sphere certainly overlaps no polygon, by the tolerance of sphere tests: it lies in open space. A
     /// sphere that rests on a floor does.
     #[inline]
-    pub fn certainly_clear(&self, center: Vec3, radius: f32) -> bool {
+    pub fn certainly_clear(&self, sphere: Lanes) -> bool {
         // An overlap must be deeper than epsilon; rounding is far below the rest.
-        let r = radius - 0.75 * EPSILON;
-        let BoundingBox { min, max } = &self.open;
-        radius > LEAST_CLEAR_RADIUS
-            && center.x - r > min.x
-            && center.x + r < max.x
-            && center.y - r > min.y
-            && center.y + r < max.y
-            && center.z - r > min.z
-            && center.z + r < max.z
+        let radius = sphere.fourth();
+        radius > LEAST_CLEAR_RADIUS && self.open.holds_cube(sphere, radius - 0.75 * EPSILON)
     }
 
-    /// Whether some polygon near a sphere passes `test`; those that it overlaps are near. With `only_up` polygons that
-    /// hardly look up (normal z under 0.05) may be left out. `None` when the tree is too large for that to be
-    /// quicker than a walk.
+    /// Whether some polygon near a sphere passes `test`, which is also told the distance of the centre from its plane;
+    /// those that the sphere overlaps are near. With `only_up` polygons that hardly look up (normal z under 0.05) may be
+    /// left out. `None` when the tree is too large for that to be quicker than a walk.
     #[inline]
     pub fn any_face_near<'b>(
         &'b self,
-        s: &Sphere,
+        s: Lanes,
         only_up: bool,
-        mut test: impl FnMut(&'b Face) -> bool,
+        mut test: impl FnMut(&'b Face, f32) -> bool,
     ) -> Option<bool> {
         let known = self.quads.as_ref()?;
         let count = if only_up { known.up } else { known.quads.len() };
         for quad in known.quads.get(..count).unwrap_or(&known.quads) {
-            let mut near = quad.near(s.center, s.radius);
+            let (mut near, distances) = quad.near(s);
             while near != 0 {
                 let k = near.trailing_zeros() as usize;
                 near &= near - 1;
                 let face = quad.faces.get(k).and_then(|&i| self.faces.get(i as usize));
-                if face.is_some_and(&mut test) {
+                if face.is_some_and(|face| test(face, distances.lane(k))) {
                     return Some(true);
                 }
             }
         }
         Some(false)
+    }
+
+    /// How far a sphere may be shifted and certainly overlaps no polygon, metres; `None` when that is not easily told.
+    #[inline]
+    pub fn clearance(&self, s: Lanes) -> Option<f32> {
+        /// Many times the rounding of distances, metres.
+        const SLACK: f32 = 3e-5;
+        let mut least = Lanes::splat(f32::INFINITY);
+        for quad in &self.quads.as_ref()?.quads {
+            least = quad.clearances(s).lesser(least);
+        }
+        let least = least.least() - SLACK;
+        (least > 0.0).then_some(least)
     }
 
     /// The face that looks up, if there is only one: normal z at least 0.05.
@@ -465,23 +463,15 @@ impl PhysicsBsp {
         self.faces.get(self.quads.as_ref()?.only_up? as usize)
     }
 
-    /// Whether a point is certainly not in a leaf that is solid and has polygons.
+    /// Whether a point, shifted by up to `reach`, is certainly not in a leaf that is solid and has polygons.
     #[inline]
-    pub fn is_certainly_hollow_at(&self, p: Vec3) -> bool {
-        let inset = LEAST_CLEAR_RADIUS - 0.01;
-        let BoundingBox { min, max } = &self.open;
-        self.open_is_hollow
-            && p.x - inset > min.x
-            && p.x + inset < max.x
-            && p.y - inset > min.y
-            && p.y + inset < max.y
-            && p.z - inset > min.z
-            && p.z + inset < max.z
+    pub fn is_certainly_hollow_around(&self, p: Lanes, reach: f32) -> bool {
+        self.is_hollow || (self.open_is_hollow && self.open.holds_cube(p, LEAST_CLEAR_RADIUS - 0.01 + reach))
     }
 
     /// The box of open space; inside out when there is none.
     pub(crate) fn open_box(&self) -> BoundingBox {
-        self.open
+        self.open.bounds()
     }
 
     /// Whether no point of the open space of [`PhysicsBsp::certainly_clear`] is in a leaf that is solid and has
@@ -530,29 +520,22 @@ fn is_plain(plane: &Plane, around: &BoundingBox, vertices: &[Vec3], edges: &[Fac
     small && unit && convex && !sharp
 }
 
-/// Holds nothing.
-const NO_RECT: InnerRect = InnerRect {
-    axis: 0,
-    min: [f32::INFINITY; 2],
-    max: [f32::NEG_INFINITY; 2],
-};
-
-/// A rectangle inside a plain polygon, if one fits around its middle.
-fn inner_rect(plane: &Plane, around: &BoundingBox, edges: &[FaceEdge]) -> InnerRect {
+/// A rectangle inside a plain polygon, if one fits around its middle: a box that is endless along an axis.
+fn inner_rect(plane: &Plane, around: &BoundingBox, edges: &[FaceEdge]) -> LaneBox {
     /// How far it stays away from the edges: many times the rounding of the tests, metres.
     const MARGIN: f32 = 2e-3;
     let n = plane.normal;
     let axis = (0..3).fold(0, |k, i| if n[i].abs() > n[k].abs() { i } else { k });
     let (u, v) = [(1, 2), (0, 2), (0, 1)][axis];
-    let inside = |r: &InnerRect| {
+    let inside = |r: &BoundingBox| {
         let corners = [
-            (r.min[0], r.min[1]),
-            (r.max[0], r.min[1]),
-            (r.min[0], r.max[1]),
-            (r.max[0], r.max[1]),
+            (r.min[u], r.min[v]),
+            (r.max[u], r.min[v]),
+            (r.min[u], r.max[v]),
+            (r.max[u], r.max[v]),
         ];
-        r.min[0] < r.max[0]
-            && r.min[1] < r.max[1]
+        r.min[u] < r.max[u]
+            && r.min[v] < r.max[v]
             && corners.iter().all(|&(a, b)| {
                 let mut p = Vec3::ZERO;
                 (p[u], p[v]) = (a, b);
@@ -565,22 +548,21 @@ fn inner_rect(plane: &Plane, around: &BoundingBox, edges: &[FaceEdge]) -> InnerR
     };
     let (lo, hi) = (around.min, around.max);
     let rect = |share: f32| {
-        let side = |i: usize| {
-            let (middle, half) = ((lo[i] + hi[i]) * 0.5, (hi[i] - lo[i]) * 0.5 * share - MARGIN);
-            (middle - half, middle + half)
+        let mut found = BoundingBox {
+            min: Vec3::NEG_INFINITY,
+            max: Vec3::INFINITY,
         };
-        let ((u0, u1), (v0, v1)) = (side(u), side(v));
-        InnerRect {
-            axis: axis as u32,
-            min: [u0, v0],
-            max: [u1, v1],
+        for i in [u, v] {
+            let (middle, half) = ((lo[i] + hi[i]) * 0.5, (hi[i] - lo[i]) * 0.5 * share - MARGIN);
+            (found.min[i], found.max[i]) = (middle - half, middle + half);
         }
+        found
     };
     [1.0, 0.8, 0.6, 0.5]
         .into_iter()
         .map(rect)
         .find(inside)
-        .unwrap_or(NO_RECT)
+        .map_or(LaneBox::NOTHING, |b| LaneBox::new(&b))
 }
 
 /// Damaged trees may have endless ways through them.
@@ -606,12 +588,6 @@ fn clipped(polygon: &[Vec3], plane: &Plane) -> Vec<Vec3> {
     }
     out
 }
-
-/// A box that holds nothing.
-pub(crate) const NO_BOX: BoundingBox = BoundingBox {
-    min: Vec3::INFINITY,
-    max: Vec3::NEG_INFINITY,
-};
 
 #[cfg(test)]
 mod tests {

@@ -7,6 +7,7 @@ use crate::find_cell_list::find_cell_list_of_cylspheres;
 use crate::geometry::Sphere;
 use crate::ids::{BlockId, CellId, block_offset};
 use crate::landblock::{LAND_CELLS, Landblock};
+use crate::lanes::Lanes;
 use crate::position::Position;
 use crate::shape::{StaticObject, StaticRef};
 use crate::transit_parts::{PartBounds, find_bbox_cell_list};
@@ -25,6 +26,45 @@ pub struct ShadowLists {
     bounds: Box<[Sphere]>,
     /// Land cells that some object reaches, one bit each.
     land_cells: u64,
+    /// Start of each cell's range in `quads`; one more entry than cells.
+    quad_starts: Box<[u32]>,
+    quads: Box<[ReachQuad]>,
+}
+
+/// Four [`StaticReach`]es of one cell side by side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ReachQuad {
+    center: [Lanes; 3],
+    radius: Lanes,
+    stretch: Lanes,
+}
+
+impl ReachQuad {
+    fn new(reaches: &[StaticReach]) -> Self {
+        let mut quad = ReachQuad {
+            center: [Lanes::ZERO; 3],
+            radius: Lanes::splat(f32::NEG_INFINITY),
+            stretch: Lanes::ZERO,
+        };
+        for (k, reach) in reaches.iter().enumerate().take(4) {
+            for axis in 0..3 {
+                quad.center[axis].set_lane(k, reach.sphere.center[axis]);
+            }
+            quad.radius.set_lane(k, reach.sphere.radius);
+            quad.stretch.set_lane(k, reach.stretch);
+        }
+        quad
+    }
+
+    /// Squared distances of a point from the centres.
+    #[inline(always)]
+    fn squares(&self, p: Vec3) -> Lanes {
+        let square = |axis: usize, x: f32| {
+            let d = Lanes::splat(x) - self.center[axis];
+            d.times(d)
+        };
+        square(0, p.x) + square(1, p.y) + square(2, p.z)
+    }
 }
 
 /// How far a static object that can be run into reaches, in the frame of the lists' landblock.
@@ -66,6 +106,23 @@ impl ShadowLists {
         self.land_cells
     }
 
+    /// How far spheres of which `larger` is the largest radius may be shifted before one comes near a static object of
+    /// a cell, metres; see [`StaticReach`]. `head` is the second centre, if there is one.
+    #[inline(always)]
+    pub fn distance(&self, cell: CellId, foot: Vec3, head: Option<Vec3>, larger: f32) -> f32 {
+        let mut least = Lanes::splat(f32::INFINITY);
+        let range = range_of(&self.quad_starts, cell);
+        for quad in self.quads.get(range).unwrap_or(&[]) {
+            let mut squares = quad.squares(foot);
+            if let Some(head) = head {
+                squares = quad.squares(head).lesser(squares);
+            }
+            let limits = quad.radius + quad.stretch * larger;
+            least = (squares.sqrt() - limits).lesser(least);
+        }
+        least.least()
+    }
+
     /// Whether no static object reaches a cell.
     #[inline]
     pub fn is_empty_in(&self, cell: CellId) -> bool {
@@ -74,11 +131,7 @@ impl ShadowLists {
 
     #[inline]
     fn range(&self, cell: CellId) -> core::ops::Range<usize> {
-        let Some(slot) = slot(cell) else { return 0..0 };
-        match (self.starts.get(slot), self.starts.get(slot + 1)) {
-            (Some(&a), Some(&b)) => a as usize..b as usize,
-            _ => 0..0,
-        }
+        range_of(&self.starts, cell)
     }
 
     pub(crate) fn bytes(&self) -> usize {
@@ -86,6 +139,8 @@ impl ShadowLists {
             + size_of_val(&*self.refs)
             + size_of_val(&*self.reaches)
             + size_of_val(&*self.bounds)
+            + size_of_val(&*self.quad_starts)
+            + size_of_val(&*self.quads)
     }
 
     /// Builds the lists of `block` from its own statics and those of the blocks around it.
@@ -135,12 +190,22 @@ impl ShadowLists {
             starts[i] += starts[i - 1];
         }
         let in_land = found.iter().filter(|&&(slot, ..)| slot < LAND_CELLS);
+        let reaches: Box<[StaticReach]> = found.iter().map(|&(_, _, reach, _)| reach).collect();
+        let mut quads = Vec::new();
+        let mut quad_starts = vec![0u32; cells + 1];
+        for cell in 0..cells {
+            let of_cell = reaches.get(starts[cell] as usize..starts[cell + 1] as usize);
+            quads.extend(of_cell.unwrap_or(&[]).chunks(4).map(ReachQuad::new));
+            quad_starts[cell + 1] = quads.len() as u32;
+        }
         ShadowLists {
             land_cells: in_land.fold(0, |bits, &(slot, ..)| bits | 1 << slot),
             starts: starts.into(),
             refs: found.iter().map(|&(_, r, ..)| r).collect(),
-            reaches: found.iter().map(|&(_, _, reach, _)| reach).collect(),
             bounds: found.iter().map(|&(.., bounds)| bounds).collect(),
+            reaches,
+            quad_starts: quad_starts.into(),
+            quads: quads.into(),
         }
     }
 }
@@ -230,6 +295,15 @@ impl Reach {
 
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.own) + size_of_val(&*self.foreign)
+    }
+}
+
+#[inline]
+fn range_of(starts: &[u32], cell: CellId) -> core::ops::Range<usize> {
+    let Some(slot) = slot(cell) else { return 0..0 };
+    match (starts.get(slot), starts.get(slot + 1)) {
+        (Some(&a), Some(&b)) => a as usize..b as usize,
+        _ => 0..0,
     }
 }
 

@@ -94,16 +94,10 @@ impl TerrainPolygon {
     /// (`world.md` T8, retail `point_in_poly2D`, positive side).
     #[inline]
     pub fn contains_2d(&self, p: Vec3) -> bool {
-        let mut prev = self.vertices[0];
-        for i in (0..3).rev() {
-            let cur = self.vertices[i];
-            let c = (cur.x - prev.x) * (p.y - cur.y) - (cur.y - prev.y) * (p.x - cur.x);
-            if c > 0.0 {
-                return false;
-            }
-            prev = cur;
-        }
-        true
+        let [a, b, c] = self.vertices;
+        let beyond =
+            |prev: Vec3, cur: Vec3| (cur.x - prev.x) * (p.y - cur.y) - (cur.y - prev.y) * (p.x - cur.x) > 0.0;
+        !(beyond(a, c) | beyond(c, b) | beyond(b, a))
     }
 
     /// Ground height over (x, y), metres; `None` on a vertical plane (`world.md` T9).

@@ -7,27 +7,35 @@ use crate::constants::{CELL_BSP_SPHERE_FUDGE, EPSILON};
 use crate::env_cell::{CellPortal, EnvCell, PortalTarget};
 use crate::frame::Frame;
 use crate::geometry::{BoundingBox, Plane, Sphere};
-use crate::physics_bsp::{LEAST_CLEAR_RADIUS, NO_BOX};
+use crate::lanes::{LaneBox, Lanes};
+use crate::physics_bsp::LEAST_CLEAR_RADIUS;
+use crate::plane_quads::PlaneQuads;
 
 /// How far a hint stays away from the exact answer, metres: many times the rounding of coordinates up to
 /// [`MAX_COORDINATE`].
-const SLACK: f32 = 0.02;
+const SLACK: f32 = 0.004;
 /// Beyond this, f32 is too coarse for the slack, metres.
-const MAX_COORDINATE: f32 = 4096.0;
+const MAX_COORDINATE: f32 = 1024.0;
 
 /// Hints of an env cell, in the frame of its landblock.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct TransitHints {
-    core: Option<BoundingBox>,
+    core: Option<LaneBox>,
     /// For each portal, a plane behind which spheres do not touch what it leads to.
     away: Box<[Plane]>,
+    /// The same, side by side.
+    away_quads: PlaneQuads,
     /// The planes of the cell BSP.
-    planes: Box<[Plane]>,
+    planes: PlaneQuads,
     /// They are all of them, and the cell holds points at all.
     is_walled: bool,
     /// Spheres of up to [`QUIET_RADIUS`] with centres in this box may be shifted by [`QUIET`] and touch this cell
     /// only; inside out when there is none.
     quiet: QuietBox,
+    /// See [`TransitHints::keeps_lengths`].
+    keeps_lengths: bool,
+    /// See [`TransitHints::only_floor`].
+    only_floor: Option<Lanes>,
     /// No polygon of the physics BSP enters this box; inside out when there is none.
     open: OpenSpace,
 }
@@ -39,25 +47,25 @@ const QUIET: f32 = 0.2;
 
 /// A box that is empty unless something else is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct QuietBox(BoundingBox);
+struct QuietBox(LaneBox);
 
 impl Default for QuietBox {
     fn default() -> Self {
-        QuietBox(NO_BOX)
+        QuietBox(LaneBox::NOTHING)
     }
 }
 
 /// Open space of a cell in the frame of its landblock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct OpenSpace {
-    bounds: BoundingBox,
+    bounds: LaneBox,
     is_hollow: bool,
 }
 
 impl Default for OpenSpace {
     fn default() -> Self {
         OpenSpace {
-            bounds: NO_BOX,
+            bounds: LaneBox::NOTHING,
             is_hollow: false,
         }
     }
@@ -66,24 +74,28 @@ impl Default for OpenSpace {
 impl TransitHints {
     /// Memory behind the hints, bytes.
     pub(crate) fn memory(&self) -> usize {
-        size_of_val(&*self.away) + size_of_val(&*self.planes)
+        size_of_val(&*self.away) + self.away_quads.memory() + self.planes.memory()
     }
 
     /// Whether a sphere in the frame of the cell's landblock certainly overlaps no polygon of the cell's physics
     /// BSP, by the tolerance of sphere tests: one that rests on a floor does not.
     #[inline(always)]
-    pub fn certainly_clear(&self, sphere: &Sphere) -> bool {
+    pub fn certainly_clear(&self, center: Lanes, radius: f32) -> bool {
         // An overlap must be deeper than epsilon. A quarter of it is for bodies at rest, the rest for rounding.
-        let r = sphere.radius - 0.25 * EPSILON;
-        let c = sphere.center;
-        let BoundingBox { min, max } = &self.open.bounds;
-        sphere.radius > LEAST_CLEAR_RADIUS
-            && c.x - r > min.x
-            && c.x + r < max.x
-            && c.y - r > min.y
-            && c.y + r < max.y
-            && c.z - r > min.z
-            && c.z + r < max.z
+        radius > LEAST_CLEAR_RADIUS && self.open.bounds.holds_cube(center, radius - 0.25 * EPSILON)
+    }
+
+    /// Whether the cell's rotation keeps lengths, but for a thousandth: stored ones need not.
+    #[inline(always)]
+    pub fn keeps_lengths(&self) -> bool {
+        self.keeps_lengths
+    }
+
+    /// The plane, in the frame of the cell's landblock, of the only polygon that looks up, if there is only one: normal
+    /// z at least 0.05 in the cell's frame. Its `d` is in the fourth lane.
+    #[inline(always)]
+    pub fn only_floor(&self) -> Option<Lanes> {
+        self.only_floor
     }
 
     /// Whether no centre of a sphere that is certainly clear is in a leaf that is solid and has polygons.
@@ -96,44 +108,34 @@ impl TransitHints {
     #[inline]
     pub(crate) fn certainly_contains(&self, q: Vec3) -> bool {
         match &self.core {
-            Some(BoundingBox { min, max }) => {
-                q.x > min.x && q.x < max.x && q.y > min.y && q.y < max.y && q.z > min.z && q.z < max.z
-            }
-            None => self.is_walled && self.planes.iter().all(|plane| plane.dist(q) > SLACK + EPSILON),
+            Some(core) => core.holds(q.into()),
+            None => self.is_walled && self.planes.least_distance(q) > SLACK + EPSILON,
         }
     }
 
     /// Whether a sphere in the frame of the cell's landblock is plainly so far from all other cells that it touches
     /// this one only, its centre inside, also when it is shifted by [`TransitHints::QUIET_SHIFT`].
     #[inline(always)]
-    pub fn is_quiet(&self, s: &Sphere) -> bool {
-        let BoundingBox { min, max } = &self.quiet.0;
-        let c = s.center;
-        s.radius <= QUIET_RADIUS
-            && c.x > min.x
-            && c.x < max.x
-            && c.y > min.y
-            && c.y < max.y
-            && c.z > min.z
-            && c.z < max.z
+    pub fn is_quiet(&self, center: Lanes, radius: f32) -> bool {
+        radius <= QUIET_RADIUS && self.quiet.0.holds(center)
     }
 
     /// See [`TransitHints::is_quiet`], metres.
     pub const QUIET_SHIFT: f32 = QUIET * UNIT_TOLERANCE;
 
-    /// How far spheres may be shifted together and certainly stay away from portal `index` and what it leads to,
-    /// metres. Zero or less: nothing is certain.
+    /// How far spheres may be shifted together and certainly stay away from each portal and what it leads to, metres,
+    /// four portals at a time; those there are not are infinitely far. Zero or less: nothing is certain. Nothing
+    /// where the cell has no hints.
     #[inline(always)]
-    pub(crate) fn distance_away(&self, index: usize, spheres: &[Sphere]) -> f32 {
-        let Some(plane) = self.away.get(index) else {
-            return 0.0;
-        };
-        let mut least = f32::INFINITY;
-        for s in spheres {
-            let d = -(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)) - plane.dist(s.center);
-            least = if d < least { d } else { least };
-        }
-        least
+    pub(crate) fn distances_away(&self, spheres: &[Sphere]) -> impl Iterator<Item = Lanes> {
+        self.away_quads.quads().iter().map(move |quad| {
+            let mut least = Lanes::splat(f32::INFINITY);
+            for s in spheres {
+                let reach = Lanes::splat(-(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)));
+                least = (reach - Lanes::four_distances(quad, s.center)).lesser(least);
+            }
+            least
+        })
     }
 
     /// Whether one of the spheres touches the cell, and how far they may be shifted together without changing it,
@@ -143,12 +145,7 @@ impl TransitHints {
         // How deep each is inside the plane it is least inside of; the deepest counts.
         let mut deepest = f32::NEG_INFINITY;
         for s in spheres {
-            let mut depth = f32::INFINITY;
-            for plane in &self.planes {
-                let d = plane.dist(s.center);
-                depth = if d < depth { d } else { depth };
-            }
-            depth += s.radius + CELL_BSP_SPHERE_FUDGE;
+            let depth = self.planes.least_distance(s.center) + (s.radius + CELL_BSP_SPHERE_FUDGE);
             deepest = if depth > deepest { depth } else { deepest };
         }
         if deepest < 0.0 {
@@ -164,23 +161,13 @@ impl TransitHints {
     /// How far a point may be shifted and certainly stays inside the cell, metres. Zero or less: nothing is certain.
     #[inline(always)]
     pub(crate) fn distance_inside(&self, p: Vec3) -> f32 {
-        if let Some(BoundingBox { min, max }) = &self.core {
-            let (a, b) = (p - *min, *max - p);
-            let mut least = a.x;
-            for d in [a.y, a.z, b.x, b.y, b.z] {
-                least = if d < least { d } else { least };
-            }
-            return least;
+        if let Some(core) = &self.core {
+            return core.depth(p.into());
         }
         if !self.is_walled {
             return 0.0;
         }
-        let mut least = f32::INFINITY;
-        for plane in &self.planes {
-            let d = plane.dist(p) - (SLACK + EPSILON);
-            least = if d < least { d } else { least };
-        }
-        least
+        self.planes.least_distance(p) - (SLACK + EPSILON)
     }
 
     /// How far spheres may be shifted together and certainly stay outside the cell, metres. Zero or less: nothing
@@ -189,12 +176,9 @@ impl TransitHints {
     pub(crate) fn outside_distance(&self, spheres: &[Sphere]) -> f32 {
         let mut least = f32::INFINITY;
         for s in spheres {
-            let mut most = 0.0;
-            for plane in &self.planes {
-                let d = -(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)) - plane.dist(s.center);
-                most = if d > most { d } else { most };
-            }
-            least = if most < least { most } else { least };
+            let d = -(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)) - self.planes.least_distance(s.center);
+            let d = if d > 0.0 { d } else { 0.0 };
+            least = if d < least { d } else { least };
         }
         least * UNIT_TOLERANCE
     }
@@ -211,8 +195,7 @@ impl TransitHints {
     /// Whether a sphere certainly does not touch the cell.
     #[inline]
     pub(crate) fn certainly_outside(&self, center: Vec3, radius: f32) -> bool {
-        let reach = -(radius + (CELL_BSP_SPHERE_FUDGE + SLACK));
-        self.planes.iter().any(|plane| plane.dist(center) < reach)
+        self.planes.least_distance(center) < -(radius + (CELL_BSP_SPHERE_FUDGE + SLACK))
     }
 }
 
@@ -279,6 +262,7 @@ pub(crate) fn refresh_away(cells: &mut [Option<EnvCell>], index: usize) {
         .collect();
     if let Some(Some(cell)) = cells.get_mut(index) {
         cell.hints.quiet = quiet_box(cell.hints.core, &away);
+        cell.hints.away_quads = PlaneQuads::new(&away, f32::NEG_INFINITY);
         cell.hints.away = away;
     }
 }
@@ -298,10 +282,18 @@ fn hints_of(cell: &EnvCell, cells: &[Option<EnvCell>]) -> TransitHints {
         quiet: quiet_box(core, &away),
         core,
         is_walled: !cell.portals.is_empty() && planes.len() == cell.structure.cell_bsp.planes().len(),
+        away_quads: PlaneQuads::new(&away, f32::NEG_INFINITY),
         away,
-        planes,
+        planes: PlaneQuads::new(&planes, f32::INFINITY),
+        keeps_lengths: (Lanes::of_rotation(cell.frame.rotation()).squared_length() - 1.0).abs() < 2e-4,
+        only_floor: only_floor_of(cell),
         open: open_space_of(cell),
     }
+}
+
+fn only_floor_of(cell: &EnvCell) -> Option<Lanes> {
+    let face = cell.structure.physics.as_ref()?.only_face_up()?;
+    Some(cell.frame.plane_out(&face.plane))
 }
 
 /// The open space of the cell's physics BSP, or a part of it that is square to the landblock.
@@ -350,7 +342,7 @@ fn open_space_of(cell: &EnvCell) -> OpenSpace {
     ];
     match candidates.iter().find(|b| fits(b)) {
         Some(&bounds) => OpenSpace {
-            bounds,
+            bounds: LaneBox::new(&bounds),
             is_hollow: physics.open_is_hollow(),
         },
         None => OpenSpace::default(),
@@ -358,9 +350,9 @@ fn open_space_of(cell: &EnvCell) -> OpenSpace {
 }
 
 /// The part of a cell's core that is far from all it leads to.
-fn quiet_box(core: Option<BoundingBox>, away: &[Plane]) -> QuietBox {
+fn quiet_box(core: Option<LaneBox>, away: &[Plane]) -> QuietBox {
     const REACH: f32 = QUIET_RADIUS + CELL_BSP_SPHERE_FUDGE + SLACK + QUIET;
-    let Some(core) = core else {
+    let Some(core) = core.map(|core| core.bounds()) else {
         return QuietBox::default();
     };
     let mut found = BoundingBox {
@@ -380,7 +372,7 @@ fn quiet_box(core: Option<BoundingBox>, away: &[Plane]) -> QuietBox {
     }
     let is_far = |c: &Vec3| away.iter().all(|plane| plane.dist(*c) <= -REACH);
     if (found.max - found.min).min_element() > 0.0 && found.corners().iter().all(is_far) {
-        QuietBox(found)
+        QuietBox(LaneBox::new(&found))
     } else {
         QuietBox::default()
     }
@@ -396,7 +388,7 @@ fn global_planes(cell: &EnvCell) -> Box<[Plane]> {
 }
 
 /// A box inside which a point is certainly in the cell.
-fn core_of(cell: &EnvCell) -> Option<BoundingBox> {
+fn core_of(cell: &EnvCell) -> Option<LaneBox> {
     if cell.portals.is_empty() {
         return None;
     }
@@ -430,6 +422,7 @@ fn core_of(cell: &EnvCell) -> Option<BoundingBox> {
         .filter(|by| by.min_element() > 0.0)
         .map(shrunk)
         .find(inside)
+        .map(|b| LaneBox::new(&b))
 }
 
 /// The plane that best keeps the cell apart from what a portal leads to: it points to the far side.

@@ -90,7 +90,7 @@ impl World {
     }
 
     /// The landblock, loaded if it was not. `None` when neither terrain nor env cells can be had there.
-    #[inline]
+    #[inline(always)]
     pub fn block(&self, id: BlockId) -> Option<&Landblock> {
         let slot = &self.blocks[usize::from(id.0)];
         match slot.get() {

@@ -1,11 +1,9 @@
 //! Loading landblocks: what statics occupy, and what damaged or dangling records do (`world.md` 6-8, 14, 20).
 
-mod common;
-
-use common::{Builder, Room};
 use glam::{Quat, Vec3};
 use vestibule_dat::primitive::{CylSphere, Frame};
 use vestibule_dat::record::{EnvCell, Setup, Stab};
+use vestibule_testing::records::{Builder, Room};
 use vestibule_world::{
     BoundingBox, CellArray, CellId, Frame as WorldFrame, PartBounds, ProblemKind, REGION_RECORD, Sphere,
     Store, World, WorldError, find_bbox_cell_list,
@@ -322,7 +320,7 @@ fn ids_in_falling_order_load_in_no_time() {
         })
         .collect();
     let polygons: Vec<_> = (0..count - 3)
-        .map(|i| common::polygon(count - i, vec![1 + i, 2 + i, 3 + i]))
+        .map(|i| vestibule_testing::records::polygon(count - i, vec![1 + i, 2 + i, 3 + i]))
         .collect();
     let leaf = BspNode::Leaf {
         index: 0,

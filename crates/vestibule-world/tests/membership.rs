@@ -1,10 +1,8 @@
 //! Worked examples of `world.md` 22 about cells and who is in them, and `evidence.md` E1.
 
-mod common;
-
-use common::{Builder, Room, box_planes, plane};
-use glam::{Quat, Vec3};
-use vestibule_dat::primitive::Frame;
+use glam::Vec3;
+use vestibule_testing::doorway_e1;
+use vestibule_testing::records::{Builder, Room};
 use vestibule_world::{CellArray, CellId, Position, Sphere, World, adjust_position, find_cell_list};
 
 fn list(world: &World, seed: u32, spheres: &[Sphere]) -> (Vec<u32>, Option<u32>, bool) {
@@ -298,94 +296,16 @@ fn v4_adjust_position_locates_the_centre_indoors_and_the_origin_outdoors() {
     assert_eq!(cell(20.0, true), None, "sealed: no fallback");
 }
 
-/// The doorway of `evidence.md` E1, from its figures.
-fn evidence_doorway() -> World {
-    let (x0, x1) = (5.54731_f32, 7.45189_f32);
-    let (inner, floor_edge, top_edge) = (-7.65_f32, -8.609_f32, -8.34616_f32);
-    let turned = Frame {
-        origin: Vec3::new(161.929, 7.50315, 94.0),
-        rotation: Quat::from_xyzw(0.0, 0.0, 1.0, 0.0),
-    };
-    let mut planes = vec![
-        plane(1.0, 0.0, 0.0, -x0),
-        plane(-1.0, 0.0, 0.0, x1),
-        plane(0.0, 0.0, 1.0, 0.0),
-        plane(0.0, 0.0, -1.0, 2.5),
-        plane(0.0, -1.0, 0.0, inner),
-    ];
-    // The exit plane as recorded faces outward; the cell's own plane is its reverse.
-    planes.push(plane(0.0, 0.99451864, -0.10455982, 8.5618105));
-    let exit = [
-        [x0, floor_edge, 0.0],
-        [x0, top_edge, 2.5],
-        [x1, top_edge, 2.5],
-        [x1, floor_edge, 0.0],
-    ];
-    let to_room = [
-        [x0, inner, 0.0],
-        [x0, inner, 2.5],
-        [x1, inner, 2.5],
-        [x1, inner, 0.0],
-    ];
-    let room = Room {
-        low: 0x170,
-        frame: turned,
-        planes,
-        openings: Vec::new(),
-        stabs: vec![0x171],
-        seen_outside: true,
-        statics: Vec::new(),
-        walls: Vec::new(),
-    }
-    .opening(None, -1, true, &exit)
-    .opening(Some(0x171), 0, false, &to_room);
-    let mut inside = Room::of_box(0x171, Vec3::new(0.0, -7.65, 0.0), Vec3::new(12.0, 0.0, 4.0)).opening(
-        Some(0x170),
-        1,
-        true,
-        &to_room,
-    );
-    inside.frame = turned;
-    inside.planes = box_planes(Vec3::new(0.0, -7.65, 0.0), Vec3::new(12.0, 0.0, 4.0));
-    let mut b = Builder::new(0xA9B4);
-    b.heights = [47; 81];
-    b.room(room)
-        .room(inside)
-        .building(Vec3::new(160.0, 10.0, 94.0), &[(0x170, 0)]);
-    b.world()
-}
-
 #[test]
 fn e1_nineteen_rows_of_the_doorway_recording() {
-    let rows: [(u16, f32, f32, u16); 19] = [
-        (0x31, 155.3717, 16.0283, 0x170),
-        (0x170, 155.3438, 15.1343, 0x171),
-        (0x171, 155.3463, 15.2186, 0x170),
-        (0x170, 155.3742, 16.1126, 0x31),
-        (0x31, 155.3723, 16.0516, 0x170),
-        (0x170, 155.3431, 15.1187, 0x171),
-        (0x171, 155.3445, 15.1641, 0x170),
-        (0x170, 155.3748, 16.1358, 0x31),
-        (0x31, 155.3692, 15.9583, 0x170),
-        (0x170, 155.3437, 15.1420, 0x171),
-        (0x171, 155.3451, 15.1874, 0x170),
-        (0x170, 155.373, 16.0814, 0x31),
-        (0x31, 155.3721, 16.0571, 0x170),
-        (0x170, 155.3418, 15.0854, 0x171),
-        (0x171, 155.3456, 15.2085, 0x170),
-        (0x170, 155.3735, 16.1025, 0x31),
-        (0x170, 155.3435, 15.1454, 0x171),
-        (0x171, 155.3461, 15.2296, 0x170),
-        (0x170, 155.374, 16.1236, 0x31),
-    ];
-    let world = evidence_doorway();
+    let world = doorway_e1::doorway(47).world();
     // Which point of the body is tested is what the recording settles: centre of the first sphere, not the feet.
     let picked = |height: f32| {
-        rows.iter()
-            .filter(|&&(seed, x, y, picked)| {
-                let center = sphere(x, y, 94.005 + height, 0.48);
-                let (_, containing, _) = list(&world, 0xA9B4_0000 | u32::from(seed), &[center]);
-                containing == Some(0xA9B4_0000 | u32::from(picked))
+        doorway_e1::rows()
+            .iter()
+            .filter(|row| {
+                let center = Sphere::new(row.feet + Vec3::Z * height, 0.48);
+                list(&world, row.seed.0, &[center]).1 == Some(row.picked.0)
             })
             .count()
     };

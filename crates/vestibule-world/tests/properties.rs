@@ -1,10 +1,8 @@
 //! Properties that hold for every id, position and world.
 
-mod common;
-
-use common::{Builder, Room};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
+use vestibule_testing::records::{Builder, Room};
 use vestibule_world::{
     BlockId, CellArray, CellId, Frame, MapCoordinates, Position, Sphere, World, find_cell_list,
     ids::block_offset,

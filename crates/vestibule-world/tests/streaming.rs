@@ -1,13 +1,11 @@
 //! What is resident around a viewer (`world.md` 17), and what becomes of what is not.
 
-mod common;
-
 use std::collections::BTreeSet;
 
-use common::{Builder, Room};
 use glam::{Quat, Vec3};
 use vestibule_dat::primitive::{CylSphere, Frame};
 use vestibule_dat::record::{Setup, Stab};
+use vestibule_testing::records::{Builder, Room};
 use vestibule_world::{
     BlockId, CellArray, CellId, CellManager, MemoryRecords, Position, ResidencySettings, Sphere, World,
     find_cell_list,

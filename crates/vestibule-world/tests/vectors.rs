@@ -1,26 +1,13 @@
 //! The look-up vectors: independent results on worlds in real DAT format (`../shared/vectors`, when present).
 
 use std::collections::HashMap;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 use serde_json::Value;
 use vestibule_dat::DatSet;
+use vestibule_testing::vectors;
 use vestibule_world::{CellArray, CellId, Sphere, World, find_cell_list};
-
-fn vectors() -> Option<PathBuf> {
-    let dir = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors"));
-    if dir.is_dir() {
-        return Some(dir.to_owned());
-    }
-    let _ = writeln!(
-        std::io::stderr(),
-        "skipped: look-up vectors, {} is not there",
-        dir.display()
-    );
-    None
-}
 
 struct Worlds {
     dir: PathBuf,
@@ -58,7 +45,9 @@ fn flagged(case: &Value) -> bool {
 
 #[test]
 fn find_cell_list_agrees_with_the_vectors() {
-    let Some(dir) = vectors() else { return };
+    let Some(dir) = vectors("look-up vectors") else {
+        return;
+    };
     let mut worlds = Worlds {
         dir: dir.clone(),
         open: HashMap::new(),
@@ -98,7 +87,9 @@ fn find_cell_list_agrees_with_the_vectors() {
 
 #[test]
 fn single_look_ups_agree_with_the_vectors() {
-    let Some(dir) = vectors() else { return };
+    let Some(dir) = vectors("look-up vectors") else {
+        return;
+    };
     let mut worlds = Worlds {
         dir: dir.clone(),
         open: HashMap::new(),

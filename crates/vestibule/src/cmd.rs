@@ -24,8 +24,11 @@ mod visible;
 mod walk;
 mod wheres;
 
-use std::io::Write as _;
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
 use std::path::Path;
+
+use anyhow::Context as _;
 
 use crate::ui::Context;
 
@@ -72,16 +75,34 @@ impl Command {
     }
 }
 
-/// Writes a file as a whole or not at all: under another name first, then renamed.
-fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
+/// Writes a file as a whole or not at all.
+fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    write_whole_by(path, |file| file.write_all(bytes))
+        .with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// As [`write_whole`], piece by piece: under another name first, then renamed.
+fn write_whole_by(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
+) -> std::io::Result<()> {
+    if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+        // A device or a pipe is written to, not replaced.
+        let mut file = BufWriter::new(File::create(path)?);
+        fill(&mut file)?;
+        return file.flush();
+    }
+    // Of a link it is the file it names that is replaced.
+    let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let mut name = place.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
+    let part = place.with_file_name(name);
     let write = || {
-        let mut file = std::fs::File::create(&part)?;
-        file.write_all(bytes)?;
+        let mut file = BufWriter::new(File::create(&part)?);
+        fill(&mut file)?;
+        let file = file.into_inner().map_err(std::io::IntoInnerError::into_error)?;
         file.sync_all()?;
-        std::fs::rename(&part, path)
+        std::fs::rename(&part, &place)
     };
     write().inspect_err(|_| {
         let _ = std::fs::remove_file(&part);

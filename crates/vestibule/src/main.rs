@@ -5,7 +5,7 @@
 mod cmd;
 mod ui;
 
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -47,10 +47,12 @@ fn main() -> ExitCode {
         // The reader has gone, as with `vestibule ls | head`: no error.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            if context.out.flush().is_err() {
-                return ExitCode::SUCCESS;
+            match context.out.flush() {
+                Err(e) if e.kind() == ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+                // What was printed is lost, whatever else went wrong.
+                Err(e) if error.is::<Failed>() => report(&e.into()),
+                _ => report(&error),
             }
-            report(&error)
         }
     }
 }
@@ -58,8 +60,22 @@ fn main() -> ExitCode {
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.chain().any(|e| {
         e.downcast_ref::<std::io::Error>()
-            .is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+            .is_some_and(|e| e.kind() == ErrorKind::BrokenPipe)
     })
+}
+
+/// Advice for what the operating system refused.
+fn advice(error: &anyhow::Error) -> Option<&'static str> {
+    let refused = error.chain().find_map(|e| e.downcast_ref::<std::io::Error>())?;
+    match refused.kind() {
+        ErrorKind::NotFound => Some("check the path; a file is written to a folder that is there already"),
+        ErrorKind::PermissionDenied => Some("this needs the right to read or write there"),
+        ErrorKind::IsADirectory => Some("that is a folder; name a file"),
+        ErrorKind::NotADirectory => Some("a part of the path is a file where a folder is needed"),
+        ErrorKind::StorageFull => Some("make room and run it again"),
+        ErrorKind::InvalidData => Some("a text file (UTF-8) is needed here"),
+        _ => None,
+    }
 }
 
 fn report(error: &anyhow::Error) -> ExitCode {
@@ -82,9 +98,9 @@ fn report(error: &anyhow::Error) -> ExitCode {
         }
     }
     let hint = error.chain().find_map(|e| e.downcast_ref::<Hinted>());
-    if let Some(hint) = hint {
+    if let Some(hint) = hint.map(|h| h.hint.as_str()).or_else(|| advice(error)) {
         let style = ui::style::HINT;
-        text.push_str(&format!("\n\n{style}hint{style:#}: {}", hint.hint));
+        text.push_str(&format!("\n\n{style}hint{style:#}: {hint}"));
     }
     anstream::eprintln!("{text}");
     if error.chain().any(|e| e.is::<ui::Usage>()) {

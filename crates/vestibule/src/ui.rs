@@ -6,7 +6,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use vestibule::dat::DatSet;
+use vestibule::OpenError;
+use vestibule::dat::{DatSet, ErrorKind};
 use vestibule::world::World;
 
 /// Options of every subcommand.
@@ -79,8 +80,17 @@ impl Context {
 pub(crate) fn open_dats(folder: Option<&Path>) -> anyhow::Result<Arc<DatSet>> {
     vestibule::open_dats(folder).map_err(|error| {
         let missing = folder.is_some_and(|f| !f.is_dir());
+        let damaged = matches!(
+            &error,
+            OpenError::Dat(e) if matches!(
+                e.kind(),
+                ErrorKind::TooShort { .. } | ErrorKind::OutsideFile { .. } | ErrorKind::BadBlockSize(_)
+            )
+        );
         let hint = if missing {
-            "--dat (or VESTIBULE_DAT) takes the folder of an Asheron's Call installation"
+            "a folder of an Asheron's Call installation is needed (--dat, or VESTIBULE_DAT)"
+        } else if damaged {
+            "the file is damaged or was not copied whole: copy it again from the installation"
         } else {
             "the folder needs client_portal.dat and client_cell_1.dat as retail installs them; \
              without --dat a small built-in world is used"

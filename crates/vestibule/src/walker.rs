@@ -153,64 +153,45 @@ impl<'w> Walker<'w> {
             wanted.z = next.rise * TICK;
         }
         let to = Position::new(from.at.cell, from.at.origin() + wanted);
+        let Some(at) = self.carry(&mut next, &to) else {
+            return next;
+        };
+        // The head met a ceiling: what is left of the jump is spent.
+        let rose = at.origin().z - from.at.origin().z;
+        if wanted.z > 0.0 && rose < 0.5 * wanted.z {
+            next.rise = 0.0;
+        }
+        next
+    }
+
+    /// Sweeps a footing to a position; where it got to, or `None`, with nothing changed, when the sweep is not accepted.
+    fn carry(&mut self, footing: &mut Footing, to: &Position) -> Option<Position> {
         let (population, scratch) = (&self.population, &mut self.scratch);
         let swept = sweep(
             self.world,
             population,
             scratch,
             &self.mover,
-            &from.carried,
-            &from.at,
-            &to,
+            &footing.carried,
+            &footing.at,
+            to,
         );
-        match swept {
-            Ok(swept) if swept.ok => {
-                let Some(cell) = swept.cell else { return next };
-                next.at = Position {
-                    cell,
-                    ..swept.position
-                };
-                next.carried = swept.carried();
-                // The head met a ceiling: what is left of the jump is spent.
-                let rose = next.at.origin().z - from.at.origin().z;
-                if wanted.z > 0.0 && rose < 0.5 * wanted.z {
-                    next.rise = 0.0;
-                }
-                next
-            }
-            _ => next,
-        }
+        let swept = swept.ok().filter(|swept| swept.ok)?;
+        let cell = swept.cell?;
+        footing.at = Position {
+            cell,
+            ..swept.position
+        };
+        footing.carried = swept.carried();
+        Some(footing.at)
     }
 
     /// One sweep to a point of the frame of the footing's landblock, as recorded moves are followed.
     pub fn sweep_to(&mut self, from: &Footing, to: Vec3) -> Footing {
         let to = Position::new(from.at.cell, to);
-        let (population, scratch) = (&self.population, &mut self.scratch);
-        match sweep(
-            self.world,
-            population,
-            scratch,
-            &self.mover,
-            &from.carried,
-            &from.at,
-            &to,
-        ) {
-            Ok(swept) if swept.ok => match swept.cell {
-                Some(cell) => {
-                    let at = Position {
-                        cell,
-                        ..swept.position
-                    };
-                    Footing {
-                        at,
-                        carried: swept.carried(),
-                        rise: from.rise,
-                    }
-                }
-                None => *from,
-            },
-            _ => *from,
-        }
+        let mut next = *from;
+        self.carry(&mut next, &to);
+        next
     }
 
     /// The player jumps: it lets go of the ground and rises at `up` m/s, keeping what it slid along.

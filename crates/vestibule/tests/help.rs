@@ -4,7 +4,7 @@ mod support;
 
 use std::collections::BTreeSet;
 
-use support::{REPOSITORY, Sandbox};
+use support::Sandbox;
 
 /// All subcommands, as words.
 fn subcommands(sandbox: &Sandbox) -> Vec<Vec<String>> {
@@ -47,12 +47,7 @@ fn every_subcommand_has_examples_and_they_run() {
     if let Some(vectors) = &vectors {
         std::os::unix::fs::symlink(vectors, sandbox.join("vectors")).unwrap();
     }
-    std::fs::create_dir(sandbox.join("worlds")).unwrap();
-    let hollow = std::path::Path::new(REPOSITORY)
-        .join("worlds/hollow")
-        .canonicalize()
-        .unwrap();
-    std::os::unix::fs::symlink(hollow, sandbox.join("worlds/hollow")).unwrap();
+    sandbox.write_scene("crates/vestibule-forge/worlds/hollow");
     for name in ["ac", "old", "new", "patched"] {
         sandbox.build_world(name);
     }
@@ -74,6 +69,10 @@ fn every_subcommand_has_examples_and_they_run() {
         let mut args: Vec<&str> = words.iter().map(String::as_str).collect();
         args.push("--help");
         let help = sandbox.run(&args).ok().out;
+        assert!(
+            !help.contains("\\\""),
+            "{words:?}: quotes are written as they are typed"
+        );
         let examples = examples(&help);
         // Of what opens a window only the rest can be run here.
         let enough = if help.contains("Opens a window:") { 1 } else { 2 };

@@ -60,17 +60,7 @@ impl<'a> Args<'a> {
     }
 
     pub(crate) fn word(&mut self, what: &str, messages: &mut Messages) -> Result<Word, Skip> {
-        match self.peek() {
-            Some(Value::Word(text)) => {
-                let word = Word {
-                    text: text.clone(),
-                    span: self.span(),
-                };
-                self.at += 1;
-                Ok(word)
-            }
-            _ => Err(self.wrong(what, messages)),
-        }
+        self.any_word().ok_or_else(|| self.wrong(what, messages))
     }
 
     /// Takes the next word if it is `word`.

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test uses a part of this")]
 
 pub(crate) mod eye;
+pub(crate) mod random;
 
 use glam::{Vec2, Vec3};
 use vestibule_physics::{Carried, Mover, Population, Scratch, place, sweep};

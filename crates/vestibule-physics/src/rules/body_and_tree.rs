@@ -35,7 +35,7 @@ fn s6_5_3_of_several_polygons_left_behind_none_is_hit_and_the_last_is_named() {
     ] {
         let mut named = None;
         assert_eq!(
-            bsp_tree::sphere_intersects_poly(bsp, &sphere, movement, &mut named),
+            bsp_tree::sphere_intersects_poly(bsp, sphere.into(), movement.into(), &mut named),
             hit
         );
         assert_eq!(named.map(|f| f.polygon), Some(named_at));

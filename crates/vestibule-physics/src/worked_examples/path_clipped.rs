@@ -27,14 +27,17 @@ fn s6_4_a_surface_that_is_left_behind_is_named_but_not_hit() {
     ] {
         let mut named = None;
         assert_eq!(
-            crate::bsp_tree::sphere_intersects_poly(bsp, &sphere, movement, &mut named),
+            crate::bsp_tree::sphere_intersects_poly(bsp, sphere.into(), movement.into(), &mut named),
             hit
         );
         assert!(named.is_some());
     }
     let mut named = None;
     let above = Sphere::new(v(0.0, 0.0, 5.4799), 0.48);
-    assert!(!crate::bsp_tree::sphere_intersects_poly(bsp, &above, -Vec3::Z, &mut named) && named.is_none());
+    assert!(
+        !crate::bsp_tree::sphere_intersects_poly(bsp, above.into(), (-Vec3::Z).into(), &mut named)
+            && named.is_none()
+    );
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use serde_json::json;
-use vestibule::forge::{SceneError, compile_scene_path};
+use vestibule::forge::{Diagnostic, SceneError, Severity, compile_scene_path};
 
 use crate::ui::{Context, Failed, Spinner, Usage, hinted, style};
 
@@ -19,7 +19,7 @@ use crate::ui::{Context, Failed, Spinner, Usage, hinted, style};
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  vestibule build worlds/hollow --out hollow
+  vestibule build crates/vestibule-forge/worlds/hollow --out hollow
   vestibule tour --dat hollow
   vestibule build room.scene --check
   vestibule build --synthetic small --seed 7 --out plain
@@ -43,6 +43,18 @@ pub(crate) struct Args {
     check: bool,
 }
 
+/// A message of the compiler, for machines.
+fn message(diagnostic: &Diagnostic) -> serde_json::Value {
+    let severity = match diagnostic.severity {
+        Severity::Warning => "warning",
+        Severity::Error => "error",
+    };
+    json!({
+        "severity": severity, "file": diagnostic.file, "line": diagnostic.line, "column": diagnostic.column,
+        "message": diagnostic.message, "help": diagnostic.help,
+    })
+}
+
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     if let (Some(size), Some(out)) = (args.synthetic, &args.out) {
         return synthetic::run(size, args.seed.unwrap_or(1), out, context);
@@ -60,8 +72,13 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let world = match compiled {
         Ok(world) => world,
         Err(SceneError::Scene(diagnostics)) => {
-            // What is wrong and how to mend it, with file and line.
-            anstream::eprintln!("{diagnostics}");
+            if context.json {
+                let messages: Vec<_> = diagnostics.0.iter().map(message).collect();
+                context.print_json(&json!({ "messages": messages }))?;
+            } else {
+                // What is wrong and how to mend it, with file and line.
+                anstream::eprintln!("{diagnostics}");
+            }
             return Err(Failed.into());
         }
         Err(error) => return Err(hinted(error, "build takes a .scene file or a folder of them")),

@@ -4,7 +4,9 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use vestibule::world::{CellId, Position, World};
-use vestibule_explore::{AdapterChoice, ExploreError, NamedPlace, Opened, Options, keys_help, middle_of};
+use vestibule_explore::{
+    AdapterChoice, ExploreError, KEYS, NamedPlace, Opened, Options, keys_help, middle_of,
+};
 
 use super::explore_trail;
 use super::place::{Place, parse_place};
@@ -60,6 +62,12 @@ fn after_help() -> String {
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     if args.keys {
+        if context.json {
+            let keys = KEYS.iter().map(|(group, keys, what)| {
+                serde_json::json!({ "group": group.name(), "keys": keys, "what": what })
+            });
+            return context.print_json(&keys.collect::<Vec<_>>());
+        }
         write!(context.out, "{}", keys_help())?;
         return Ok(());
     }

@@ -9,7 +9,7 @@ use vestibule::map_svg::{TrailPoint, plan};
 use vestibule::world::{BlockId, CellId, World};
 
 use super::id::parse_block;
-use crate::ui::{Context, hinted};
+use crate::ui::{Context, Usage, hinted};
 
 /// Draw the plan of a landblock as SVG
 ///
@@ -34,6 +34,9 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
+    if context.json && args.output.is_none() {
+        return Err(Usage("--json goes with -o FILE: the plan itself is SVG".to_owned()).into());
+    }
     let world: World = context.world()?;
     let trail = match &args.trail {
         Some(path) => read_trail(path)?,
@@ -49,7 +52,7 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     })?;
     match &args.output {
         Some(path) => {
-            std::fs::write(path, svg).with_context(|| format!("cannot write {}", path.display()))?;
+            super::write_whole(path, svg.as_bytes())?;
             if context.json {
                 context.print_json(&serde_json::json!({ "written": path }))?;
             } else {

@@ -33,8 +33,9 @@ Examples:
   vestibule render \"0xA9B40031 [155.4 22 94.1]\" --cpu -o repeatable.png
   vestibule render \"0xA9B40031 [155.4 22 94.1]\" --time 0.76 --size 320x180 --fov 60 -o evening.png
 
-In the picture of --ids a pixel's red, green and blue are the low 24 bits of the cell whose surface won it; shells of
-buildings count as their land cell, white is sky, black is where nothing was drawn.")]
+In the picture of --ids a pixel's red, green and blue are the low 24 bits of the cell whose
+surface won it; shells of buildings count as their land cell, white is sky, black is where nothing
+was drawn.")]
 pub(crate) struct Args {
     /// Where the player stands: a position or map coordinates
     #[arg(value_name = "POS", required_unless_present = "eye", conflicts_with = "eye")]
@@ -243,7 +244,7 @@ fn draw(
 /// Writes a picture beside its place first, so that a failure leaves no half of it.
 pub(crate) fn write(image: &Image, path: &Path) -> anyhow::Result<()> {
     let bytes = image.to_png()?;
-    super::write_whole(path, &bytes).with_context(|| {
+    super::write_whole_by(path, |file| file.write_all(&bytes)).with_context(|| {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty() && !p.is_dir());
         match folder {
             Some(folder) => format!("there is no folder {}", folder.display()),

@@ -1,7 +1,6 @@
 //! `vestibule tour`: a walk in and out of everything.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -41,8 +40,8 @@ Examples:
   vestibule tour --json
 
 Writes to the folder of --out:
-  trail.jsonl    one object a tick: t, cell, pos; of the camera viewer (its cell) and eye, and rooms (the draw list)
-                 whenever it is another
+  trail.jsonl    one object a tick: t, cell, pos; of the camera viewer (its cell) and eye,
+                 and rooms (the draw list) whenever it is another
   map.svg        the way from above; map-XXXX.svg for further landblocks
   filmstrip.png  every threshold: before, as the player crosses, as the camera has followed
 Exit code 1 if the cell changed while standing, or a trial did not go as expected.")]
@@ -90,8 +89,31 @@ enum MembershipArg {
     Static,
 }
 
+/// Whether results can go to a folder, which need not be there yet.
+fn can_be_a_folder(path: &std::path::Path) -> anyhow::Result<()> {
+    for path in path.ancestors().filter(|p| !p.as_os_str().is_empty()) {
+        if path.is_dir() {
+            break;
+        }
+        if path.exists() {
+            let error = anyhow::anyhow!("cannot create {}: it is a file", path.display());
+            return Err(hinted(error, "--out takes a folder"));
+        }
+    }
+    Ok(())
+}
+
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let begun = Instant::now();
+    // Before a walk that may take minutes, not after it.
+    can_be_a_folder(&args.out)?;
+    if let Some(folder) = args.film.as_ref().and_then(|film| film.parent()) {
+        anyhow::ensure!(
+            folder.as_os_str().is_empty() || folder.is_dir() || folder == args.out,
+            "there is no folder {}",
+            folder.display()
+        );
+    }
     let dats = context.dats()?;
     let world = World::open(dats.clone())?;
     let start = args.start.map(|place| place.position(&world)).transpose()?;
@@ -414,7 +436,7 @@ fn write_maps(world: &World, trail: &[TrailStep], folder: &std::path::Path) -> a
             format!("map-{:04X}.svg", block.0)
         };
         let path = folder.join(name);
-        std::fs::write(&path, svg).with_context(|| format!("cannot write {}", path.display()))?;
+        super::write_whole(&path, svg.as_bytes())?;
         written.push(path);
     }
     Ok(written)
@@ -449,7 +471,7 @@ fn write_pictures(
         drop(progress);
         let mut bytes = Vec::new();
         write_apng(&images, film::FILM_DELAY_MS, &mut bytes)?;
-        super::write_whole(path, &bytes).with_context(|| format!("cannot write {}", path.display()))?;
+        super::write_whole(path, &bytes)?;
         written.push(path.clone());
     }
     Ok(written)
@@ -462,10 +484,6 @@ fn advance(progress: &Mutex<Progress>, done: usize) {
 }
 
 fn write_trail_file(record: &TourRecord, path: &std::path::Path) -> anyhow::Result<()> {
-    let write = || -> std::io::Result<()> {
-        let mut file = BufWriter::new(File::create(path)?);
-        write_trail(record, &mut file)?;
-        file.flush()
-    };
-    write().with_context(|| format!("cannot write {}", path.display()))
+    super::write_whole_by(path, |file| write_trail(record, file))
+        .with_context(|| format!("cannot write {}", path.display()))
 }

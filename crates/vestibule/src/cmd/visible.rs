@@ -3,7 +3,6 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use anyhow::Context as _;
 use glam::{Vec2, Vec3};
 use serde_json::json;
 use vestibule::view::{Camera, Command, FrameInput, FrameView, Openings, WorldObjects, retail_fov_y};
@@ -91,8 +90,7 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     );
     let rooms = rooms(&world, &frame, &camera);
     if let Some(path) = &args.output {
-        std::fs::write(path, picture(&frame, &camera))
-            .with_context(|| format!("cannot write {}", path.display()))?;
+        super::write_whole(path, picture(&frame, &camera).as_bytes())?;
     }
     let terrain = frame
         .commands()

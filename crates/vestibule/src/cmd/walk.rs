@@ -1,6 +1,6 @@
 //! `vestibule walk`: a player by script or to a target.
 
-use std::io::{BufWriter, Read, Write};
+use std::io::{Read, Write};
 use std::path::PathBuf;
 
 use anyhow::Context as _;
@@ -83,11 +83,8 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let seconds = trail.last().map_or(0.0, |step| step.t);
     match &args.output {
         Some(path) => {
-            let file =
-                std::fs::File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
-            let mut file = BufWriter::new(file);
-            write_rows(&trail, &mut file).with_context(|| format!("cannot write {}", path.display()))?;
-            file.flush()?;
+            super::write_whole_by(path, |file| write_rows(&trail, file))
+                .with_context(|| format!("cannot write {}", path.display()))?;
             if context.json {
                 return context.print_json(&json!({
                     "written": path, "steps": trail.len(), "changes": changes, "seconds": seconds,

@@ -18,7 +18,7 @@ Examples:
   vestibule where 42.1N, 33.6E
   vestibule where \"0xA9B40101 [155.4 14.2 94.005] 1 0 0 0\" --json")]
 pub(crate) struct Args {
-    /// Position \"0xCELL [x y z]\" or map coordinates 42.1N, 33.6E
+    /// Position "0xCELL [x y z]" or map coordinates 42.1N, 33.6E
     #[arg(required = true, num_args = 1.., allow_negative_numbers = true)]
     place: Vec<String>,
 }

@@ -1,5 +1,5 @@
-//! The trials of the embedded world (`worlds/hollow`): its walls, stairs, ramps, doors, its pit, its ridge and its
-//! dungeon. Places are metres from the south-west corner of landblock 0xA9B4, as in the scene.
+//! The trials of the embedded world (`worlds/hollow` of `vestibule-forge`): its walls, stairs, ramps, doors, its pit,
+//! its ridge and its dungeon. Places are metres from the south-west corner of landblock 0xA9B4, as in the scene.
 
 use glam::{Vec2, Vec3};
 use vestibule_world::constants::FLOOR_Z;

@@ -8,20 +8,12 @@ use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
 
-/// Where the vectors are when they are there.
-pub(crate) const VECTORS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors");
 /// The repository.
 pub(crate) const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 /// The vectors, or a notice that they are not there.
 pub(crate) fn vectors(test: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(VECTORS);
-    if path.is_dir() {
-        return path.canonicalize().ok();
-    }
-    // Not through the captured macros: people should see what was left out.
-    let _ = writeln!(std::io::stderr(), "skipped: {test}: no vectors in {VECTORS}");
-    None
+    vestibule_testing::vectors(test)?.canonicalize().ok()
 }
 
 /// A folder of its own to run the command in.
@@ -108,9 +100,17 @@ impl Sandbox {
 
     /// Writes the embedded world to a folder.
     pub(crate) fn build_world(&self, name: &str) -> PathBuf {
-        let scene = format!("{REPOSITORY}/worlds/hollow");
-        self.run(&["build", &scene, "--out", name]).ok();
+        let scene = self.write_scene(&format!("{name}.scenes"));
+        self.run(&["build", scene.to_str().unwrap(), "--out", name]).ok();
         self.join(name)
+    }
+
+    /// Writes the scene of the embedded world to a folder.
+    pub(crate) fn write_scene(&self, folder: &str) -> PathBuf {
+        for (path, text) in vestibule::forge::EMBEDDED_SCENE {
+            self.write(&format!("{folder}/{}", path.rsplit('/').next().unwrap()), text);
+        }
+        self.join(folder)
     }
 }
 

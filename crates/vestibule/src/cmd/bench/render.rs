@@ -35,7 +35,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<(u32, u32)>,
     /// Number of eyes indoors
-    #[arg(long, value_name = "N", default_value_t = 50)]
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..))]
     eyes: usize,
     /// Seed of the eyes
     #[arg(long, default_value_t = 1)]

@@ -29,7 +29,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NAME")]
     world: String,
     /// Steps; the workload's expected shares are those of 25,000
-    #[arg(short, value_name = "N", default_value_t = 25_000)]
+    #[arg(short, value_name = "N", default_value_t = 25_000, value_parser = clap::value_parser!(u64).range(1..))]
     n: u64,
 }
 

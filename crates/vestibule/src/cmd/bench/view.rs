@@ -32,7 +32,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NAME", requires = "vectors")]
     world: Option<String>,
     /// Number of eyes
-    #[arg(long, value_name = "N", default_value_t = 1000)]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..))]
     eyes: usize,
     /// Times that each is run
     #[arg(long, value_name = "N", default_value_t = 20)]

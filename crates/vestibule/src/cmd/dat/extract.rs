@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
+use serde_json::json;
 use vestibule::dat::{DatKind, RecordKind};
 
 use super::super::id::{hex, parse_record_id};
@@ -40,20 +41,20 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
+    if context.json && args.output.is_none() {
+        return Err(Usage("--json goes with -o PATH: a record itself is bytes".to_owned()).into());
+    }
     let dats = context.dats()?;
     if let Some(id) = args.id {
         let found = locate(&dats, id, args.file, &context.world_name())?;
         match &args.output {
             Some(path) => {
-                std::fs::write(path, &found.bytes)
-                    .with_context(|| format!("cannot write {}", path.display()))?;
-                writeln!(
-                    context.out,
-                    "{}: {} bytes to {}",
-                    hex(id),
-                    found.bytes.len(),
-                    path.display()
-                )?;
+                super::super::write_whole(path, &found.bytes)?;
+                let (id, bytes) = (hex(id), found.bytes.len());
+                if context.json {
+                    return context.print_json(&json!({ "id": id, "bytes": bytes, "written": path }));
+                }
+                writeln!(context.out, "{id}: {bytes} bytes to {}", path.display())?;
             }
             // Past the colour filter of the context's output, which would take bytes away.
             None => std::io::stdout().write_all(&found.bytes)?,
@@ -109,7 +110,11 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
             }
         }
     }
-    writeln!(context.out, "{written} records to {}", folder.display())?;
+    if context.json {
+        context.print_json(&json!({ "records": written, "failed": failed, "written": folder }))?;
+    } else {
+        writeln!(context.out, "{written} records to {}", folder.display())?;
+    }
     anyhow::ensure!(failed == 0, "{failed} records could not be read");
     Ok(())
 }

@@ -1,5 +1,4 @@
-//! Small worlds made of records, for tests.
-#![allow(dead_code, reason = "each test binary uses a part of it")]
+//! Small worlds made of records.
 
 use glam::{Quat, Vec3};
 use vestibule_dat::primitive::{Bool32, Frame, Plane};
@@ -11,9 +10,10 @@ use vestibule_dat::record::{
 use vestibule_world::{BlockId, MemoryRecords, REGION_RECORD, Store, World};
 
 /// One opening of a [`Room`].
-pub(crate) struct Opening {
+pub struct Opening {
     /// Low word of the cell behind it; `None` leads outside.
     pub other: Option<u16>,
+    /// The portal of that cell that matches; negative: none.
     pub other_portal: i16,
     /// Corners, room-local.
     pub corners: Vec<Vec3>,
@@ -22,20 +22,27 @@ pub(crate) struct Opening {
 }
 
 /// A convex room.
-pub(crate) struct Room {
+pub struct Room {
+    /// Low word of its cell id.
     pub low: u16,
+    /// Where it stands in the landblock.
     pub frame: Frame,
     /// Inside where all are positive, room-local.
     pub planes: Vec<Plane>,
+    /// Its portals, in order.
     pub openings: Vec<Opening>,
+    /// Low words of the cells of its stab list.
     pub stabs: Vec<u16>,
+    /// Retail's flag of the same name.
     pub seen_outside: bool,
+    /// Objects that stand in it.
     pub statics: Vec<Stab>,
     /// Polygons that collide, room-local, counter-clockwise seen from the side they face.
     pub walls: Vec<Vec<Vec3>>,
 }
 
-pub(crate) fn plane(x: f32, y: f32, z: f32, d: f32) -> Plane {
+/// A plane by its normal and distance.
+pub fn plane(x: f32, y: f32, z: f32, d: f32) -> Plane {
     Plane {
         normal: Vec3::new(x, y, z),
         d,
@@ -43,7 +50,7 @@ pub(crate) fn plane(x: f32, y: f32, z: f32, d: f32) -> Plane {
 }
 
 /// The six planes of a box.
-pub(crate) fn box_planes(min: Vec3, max: Vec3) -> Vec<Plane> {
+pub fn box_planes(min: Vec3, max: Vec3) -> Vec<Plane> {
     vec![
         plane(1.0, 0.0, 0.0, -min.x),
         plane(-1.0, 0.0, 0.0, max.x),
@@ -55,7 +62,8 @@ pub(crate) fn box_planes(min: Vec3, max: Vec3) -> Vec<Plane> {
 }
 
 impl Room {
-    pub(crate) fn of_box(low: u16, min: Vec3, max: Vec3) -> Self {
+    /// A box without openings, in the landblock's frame.
+    pub fn of_box(low: u16, min: Vec3, max: Vec3) -> Self {
         Room {
             low,
             frame: Frame::IDENTITY,
@@ -68,12 +76,14 @@ impl Room {
         }
     }
 
-    pub(crate) fn walls(mut self, walls: &[Vec<Vec3>]) -> Self {
+    /// Adds polygons that collide.
+    pub fn walls(mut self, walls: &[Vec<Vec3>]) -> Self {
         self.walls.extend_from_slice(walls);
         self
     }
 
-    pub(crate) fn opening(
+    /// Adds an opening; `side` is its `interior_is_negative`.
+    pub fn opening(
         mut self,
         other: Option<u16>,
         other_portal: i16,
@@ -90,14 +100,15 @@ impl Room {
         self
     }
 
-    pub(crate) fn stabs(mut self, stabs: &[u16]) -> Self {
+    /// Sets the stab list.
+    pub fn stabs(mut self, stabs: &[u16]) -> Self {
         self.stabs = stabs.to_vec();
         self
     }
 }
 
 /// A chain of planes ending in a leaf.
-pub(crate) fn chain(planes: &[Plane]) -> BspTree {
+pub fn chain(planes: &[Plane]) -> BspTree {
     let mut nodes: Vec<BspNode> = planes
         .iter()
         .zip(1u32..)
@@ -120,7 +131,8 @@ pub(crate) fn chain(planes: &[Plane]) -> BspTree {
     }
 }
 
-pub(crate) fn empty_physics() -> BspTree {
+/// A tree in which nothing collides.
+pub fn empty_physics() -> BspTree {
     let leaf = BspNode::Leaf {
         index: 0,
         physics: Some(BspLeafPhysics::default()),
@@ -132,7 +144,7 @@ pub(crate) fn empty_physics() -> BspTree {
 }
 
 /// A leaf with all of these polygons.
-pub(crate) fn one_leaf(polygons: &[Polygon]) -> BspTree {
+pub fn one_leaf(polygons: &[Polygon]) -> BspTree {
     let leaf = BspLeafPhysics {
         solid: 0,
         sphere: vestibule_dat::primitive::Sphere {
@@ -150,7 +162,8 @@ pub(crate) fn one_leaf(polygons: &[Polygon]) -> BspTree {
     }
 }
 
-pub(crate) fn polygon(id: u16, vertex_ids: Vec<u16>) -> Polygon {
+/// A polygon of these vertices, seen from one side, without surfaces.
+pub fn polygon(id: u16, vertex_ids: Vec<u16>) -> Polygon {
     Polygon {
         id,
         stippling: 0x0C,
@@ -181,18 +194,23 @@ fn vertices_and_polygons(faces: &[Vec<Vec3>]) -> (VertexArray, Vec<Polygon>) {
 }
 
 /// Records of a world under construction.
-pub(crate) struct Builder {
+pub struct Builder {
+    /// What is there so far.
     pub records: MemoryRecords,
+    /// The landblock that rooms and buildings go to.
     pub block: BlockId,
+    /// Its objects and buildings.
     pub info: LandBlockInfo,
+    /// Its terrain words.
     pub terrain: [u16; 81],
+    /// Its heights; ground lies at twice as many metres.
     pub heights: [u8; 81],
     environments: u32,
 }
 
 impl Builder {
     /// A world whose heights are twice the index and whose one landblock is flat.
-    pub(crate) fn new(block: u16) -> Self {
+    pub fn new(block: u16) -> Self {
         let block = BlockId(block);
         let mut records = MemoryRecords::new();
         let mut heights = [0.0; 256];
@@ -238,7 +256,8 @@ impl Builder {
         }
     }
 
-    pub(crate) fn room(&mut self, room: Room) -> &mut Self {
+    /// Adds a room of the landblock.
+    pub fn room(&mut self, room: Room) -> &mut Self {
         let mut faces: Vec<Vec<Vec3>> = room.openings.iter().map(|o| o.corners.clone()).collect();
         faces.extend_from_slice(&room.walls);
         let (vertices, mut polygons) = vertices_and_polygons(&faces);
@@ -297,7 +316,7 @@ impl Builder {
     }
 
     /// A building whose portals lead to (cell, its portal).
-    pub(crate) fn building(&mut self, origin: Vec3, portals: &[(u16, i16)]) -> &mut Self {
+    pub fn building(&mut self, origin: Vec3, portals: &[(u16, i16)]) -> &mut Self {
         let model_id = 0x0100_0001;
         self.model(model_id, &[vec![Vec3::ZERO, Vec3::X, Vec3::Y]], false);
         let full = |low: u16| u32::from(self.block.0) << 16 | u32::from(low);
@@ -322,7 +341,7 @@ impl Builder {
     }
 
     /// A model of loose faces; with `physics` they collide.
-    pub(crate) fn model(&mut self, id: u32, faces: &[Vec<Vec3>], physics: bool) -> &mut Self {
+    pub fn model(&mut self, id: u32, faces: &[Vec<Vec3>], physics: bool) -> &mut Self {
         let (vertices, polygons) = vertices_and_polygons(faces);
         let leaf = |kind, physics| BspTree {
             kind,
@@ -358,13 +377,15 @@ impl Builder {
         self
     }
 
-    pub(crate) fn setup(&mut self, setup: &Setup) -> &mut Self {
+    /// Adds a setup.
+    pub fn setup(&mut self, setup: &Setup) -> &mut Self {
         self.records
             .insert(Store::Portal, setup.id, setup.encode().unwrap());
         self
     }
 
-    pub(crate) fn finish(mut self) -> MemoryRecords {
+    /// The records.
+    pub fn finish(mut self) -> MemoryRecords {
         let has_objects =
             self.info.num_cells > 0 || !self.info.objects.is_empty() || !self.info.buildings.is_empty();
         let land = LandBlock {
@@ -382,7 +403,7 @@ impl Builder {
     }
 
     /// Adds a flat landblock without objects.
-    pub(crate) fn flat_block(&mut self, block: u16) -> &mut Self {
+    pub fn flat_block(&mut self, block: u16) -> &mut Self {
         let id = BlockId(block).land_block_record();
         let land = LandBlock {
             id,
@@ -394,7 +415,8 @@ impl Builder {
         self
     }
 
-    pub(crate) fn world(self) -> World {
+    /// The world, opened.
+    pub fn world(self) -> World {
         World::open(self.finish()).unwrap()
     }
 }
