@@ -450,8 +450,9 @@ fn know_cells(
     at: Candidate,
     mut known: Known,
     array: &mut CellArray,
-) -> Option<Known> {
-    known.cells_of(&step, cell, &at, array).then_some(known)
+) -> Known {
+    known.cells_of(&step, cell, &at, array);
+    known
 }
 
 /// See [`PlainStep::objects_around`].
@@ -606,8 +607,11 @@ impl PlainStep<'_> {
         let mut beside = beside;
         if !known.cells_at.is_within(&lowered, known.to_cells) {
             // Lifted onto a step, say.
-            *known = know_cells(*self, cell, lowered, *known, array)?;
+            *known = know_cells(*self, cell, lowered, *known, array);
             beside = 0.0;
+            if !(known.to_cells > 0.0) {
+                return None;
+            }
         }
         let others = array.entries().get(1..)?;
         if !(others.is_empty()
