@@ -55,6 +55,7 @@
 mod adjust_offset;
 mod body;
 mod bsp_tree;
+mod candidate;
 mod collision_info;
 pub mod constants;
 mod cylsphere;

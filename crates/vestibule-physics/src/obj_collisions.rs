@@ -6,9 +6,9 @@ use vestibule_world::{
 };
 
 use crate::bsp_tree::spheres_overlap;
+use crate::candidate::distance_to_statics;
 use crate::flags::{ObjectKind, ObjectState, PhysicsState};
 use crate::math::length;
-use crate::plain_step::distance_to_statics;
 use crate::population::BodyId;
 use crate::sphere_path::LocalSpace;
 use crate::sweep::Touch;

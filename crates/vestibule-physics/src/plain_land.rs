@@ -5,9 +5,10 @@ use vestibule_world::{
     Building, CellArray, CellEntry, CellId, LandCell, Lanes, Plane, Sphere, Water, certain_land_cells,
 };
 
+use crate::candidate::{Candidate, Shape, distance_to_sphere, down};
 use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS, SHAPE_INTERP_LIMIT, STEP_DOWN_ATTEMPTS};
 use crate::object_info::is_walkable_z;
-use crate::plain_step::{Candidate, PlainEnd, PlainStep, Shape, distance_to_sphere, down};
+use crate::plain_step::{PlainEnd, PlainStep};
 use crate::plain_walls::Known;
 use crate::sweep::Scratch;
 

@@ -1,5 +1,5 @@
-//! The usual step, worked out without a transition: a walker over a floor or on terrain, reaching nothing but its
-//! own cell (`transition.md` 3.5, 5.1, 5.6, 5.8).
+//! The usual step, worked out without a transition: a walker over a floor or on terrain, also beside walls
+//! ([`crate::plain_walls`]) and where several cells are touched, staying in its own (`transition.md` 3.5, 5.1, 5.6, 5.8).
 //!
 //! Where everything that could interfere is certainly out of reach, the rules come down to a few: the offset is
 //! bent by the plane stood on, the candidate is lowered, it is moved back onto the ground, and the ground must
@@ -8,12 +8,13 @@
 
 use glam::Vec3;
 use vestibule_world::{
-    CellArray, CellEntry, CellId, CylSphere, EnvCell, Frame, Landblock, Lanes, PhysicsBsp, Position,
-    ShadowLists, Sphere, StaticObject, TransitHints, World, certain_rooms,
+    CellArray, CellId, CylSphere, EnvCell, Landblock, Lanes, PhysicsBsp, Position, ShadowLists, Sphere,
+    StaticObject, TransitHints, World, certain_rooms,
 };
 
 use crate::adjust_offset::along_planes;
 use crate::bsp_tree::{self, Floor};
+use crate::candidate::{Candidate, Shape, distance_to_sphere, distance_to_statics, down};
 use crate::collision_info::sliding_normal;
 use crate::constants::{EPSILON, FLOOR_Z};
 use crate::cylsphere::overlaps_cylinder;
@@ -34,188 +35,6 @@ pub(crate) struct OpenFloor {
     /// The floor's plane in the frame of the cell's landblock.
     pub(crate) plane: Lanes,
     pub(crate) walk_interp: f32,
-}
-
-/// The spheres of a mover, as it is turned.
-#[derive(Clone, Copy)]
-pub(crate) struct Shape {
-    /// Where they are relative to the origin, radii in the fourth lanes.
-    pub(crate) arms: [Lanes; 2],
-    pub(crate) two: bool,
-}
-
-impl Shape {
-    /// The radius of its larger sphere, metres.
-    #[inline(always)]
-    fn larger_radius(&self) -> f32 {
-        let [foot, head] = self.arms.map(Lanes::fourth);
-        if self.two && head > foot { head } else { foot }
-    }
-
-    /// How many spheres it has.
-    #[inline(always)]
-    pub(crate) fn count(&self) -> usize {
-        1 + usize::from(self.two)
-    }
-}
-
-/// Where a candidate is: its origin and its spheres in the frame of the landblock, radii in the fourth lanes.
-#[derive(Clone, Copy)]
-pub(crate) struct Candidate {
-    pub(crate) origin: Lanes,
-    pub(crate) spheres: [Lanes; 2],
-}
-
-impl Candidate {
-    /// Spheres where the origin says (retail `set_check_pos`).
-    #[inline(always)]
-    pub(crate) fn at(origin: Lanes, shape: &Shape) -> Self {
-        Candidate {
-            origin,
-            spheres: shape.arms.map(|arm| origin + arm),
-        }
-    }
-
-    #[inline(always)]
-    pub(crate) fn shift(&mut self, v: Lanes) {
-        self.origin += v;
-        self.spheres[0] += v;
-        self.spheres[1] += v;
-    }
-
-    /// Whether another pose is the same to the bit.
-    #[inline(always)]
-    pub(crate) fn has_bits_of(&self, other: &Candidate) -> bool {
-        self.origin.has_bits_of(other.origin)
-            && self.spheres[0].has_bits_of(other.spheres[0])
-            && self.spheres[1].has_bits_of(other.spheres[1])
-    }
-
-    /// Its spheres.
-    #[inline(always)]
-    pub(crate) fn spheres(&self) -> [Sphere; 2] {
-        self.spheres.map(Sphere::from)
-    }
-
-    /// Sphere `i` in a local frame, as polygons see it (retail `cache_localspace_sphere`).
-    #[inline(always)]
-    pub(crate) fn local(&self, shape: &Shape, frame: &Frame, i: usize) -> Lanes {
-        local_center(self.origin, shape, frame, i).with_fourth(shape.arms[i].fourth())
-    }
-
-    /// Whether another pose is less than `distance` away.
-    #[inline(always)]
-    pub(crate) fn is_within(&self, pose: &Candidate, distance: f32) -> bool {
-        let shift = pose.spheres[0] - self.spheres[0];
-        shift.dot(shift) < distance * distance
-    }
-
-    /// Whether an insertion finds nothing of a part of a static object.
-    pub(crate) fn clears_part(
-        &self,
-        shape: &Shape,
-        frame: &Frame,
-        bsp: &PhysicsBsp,
-        bound: &Sphere,
-        placing: bool,
-    ) -> bool {
-        let local = [self.local(shape, frame, 0), self.local(shape, frame, 1)];
-        let local = local.get(..shape.count()).unwrap_or(&local);
-        let reached = local.iter().any(|&s| bsp_tree::spheres_overlap(bound, &s.into()));
-        !reached
-            || local
-                .iter()
-                .all(|&s| !bsp_tree::sphere_intersects_solid(bsp, s, placing))
-    }
-
-    /// How far it may be shifted and neither a moving nor a placement insertion into the cell finds anything, metres.
-    /// Zero: a moving one finds nothing where it is. Below zero: it finds something.
-    #[inline(always)]
-    fn clearance(&self, shape: &Shape, cell: &EnvCell) -> f32 {
-        if self.is_in_the_open(shape, cell) {
-            0.0
-        } else {
-            clearance(*shape, self.origin, cell)
-        }
-    }
-
-    /// Whether the cell's box of open space holds all spheres.
-    #[inline(always)]
-    pub(crate) fn is_in_the_open(&self, shape: &Shape, cell: &EnvCell) -> bool {
-        let clear = |i: usize| {
-            cell.hints
-                .certainly_clear(self.spheres[i], shape.arms[i].fourth())
-        };
-        clear(0) && (!shape.two || clear(1))
-    }
-
-    /// Whether the rest of a step down onto a floor finds nothing of a cell: another attempt, which asks whether the
-    /// foot overlaps ground, and the placement insertion, which asks whether any sphere overlaps anything.
-    #[inline(always)]
-    pub(crate) fn rests_in(&self, shape: &Shape, cell: &EnvCell) -> bool {
-        (cell.hints.open_is_hollow() && self.is_in_the_open(shape, cell))
-            || touches_nothing_solid(*shape, self.origin, cell)
-    }
-
-    /// As [`Candidate::rests_in`] for other cells that the candidate reaches, none of which keeps anyone out.
-    #[inline(always)]
-    pub(crate) fn rests_beside(&self, shape: &Shape, block: &Landblock, others: &[CellEntry]) -> bool {
-        for entry in others {
-            let Some(other) = block.env_cell(entry.id) else {
-                return false;
-            };
-            if other.restriction.is_some() || !self.rests_in(shape, other) {
-                return false;
-            }
-        }
-        true
-    }
-}
-
-/// Centre of sphere `i` in a local frame.
-#[inline(always)]
-pub(crate) fn local_center(origin: Lanes, shape: &Shape, frame: &Frame, i: usize) -> Lanes {
-    frame.turned_in(origin + shape.arms[i] - Lanes::from(frame.origin))
-}
-
-#[inline(always)]
-fn local_sphere(origin: Lanes, shape: &Shape, frame: &Frame, i: usize) -> Lanes {
-    local_center(origin, shape, frame, i).with_fourth(shape.arms[i].fourth())
-}
-
-// By value, here and below: what is behind a reference is not kept in registers.
-#[inline(never)]
-fn clearance(shape: Shape, origin: Lanes, cell: &EnvCell) -> f32 {
-    let Some(bsp) = &cell.structure.physics else {
-        return f32::INFINITY;
-    };
-    let clearance = |i| bsp_tree::clearance(bsp, local_sphere(origin, &shape, &cell.frame, i));
-    let mut least = clearance(0);
-    if shape.two && least >= 0.0 {
-        let head = clearance(1);
-        least = if head < least { head } else { least };
-    }
-    if cell.hints.keeps_lengths() || least < 0.0 {
-        least * 0.99
-    } else {
-        0.0
-    }
-}
-
-#[inline(never)]
-fn touches_nothing_solid(shape: Shape, origin: Lanes, cell: &EnvCell) -> bool {
-    let Some(bsp) = &cell.structure.physics else {
-        return true;
-    };
-    let solid =
-        |i| bsp_tree::sphere_intersects_solid(bsp, local_sphere(origin, &shape, &cell.frame, i), true);
-    !solid(0) && (!shape.two || !solid(1))
-}
-
-/// A shift down, metres.
-#[inline(always)]
-pub(crate) fn down(h: f32) -> Lanes {
-    Lanes::from(Vec3::new(0.0, 0.0, -h))
 }
 
 /// The floor of a cell that the foot sphere is lifted onto in a step down by `h`, level enough by `z` (6.11.1).
@@ -270,30 +89,6 @@ pub(crate) fn find_open_floor(
         plane,
         walk_interp: floor.walk_interp,
     })
-}
-
-/// How far a candidate may be shifted before one of its spheres comes near a static object of a cell, metres.
-#[inline(always)]
-pub(crate) fn distance_to_statics(lists: &ShadowLists, cell: CellId, shape: &Shape, pose: &Candidate) -> f32 {
-    let [foot, head] = pose.spheres.map(Lanes::xyz);
-    lists.distance(cell, foot, shape.two.then_some(head), shape.larger_radius())
-}
-
-/// How far a candidate may be shifted before one of its spheres comes near another sphere, metres: nearer than that
-/// one's radius and its own, `stretch` times.
-#[inline(always)]
-pub(crate) fn distance_to_sphere(around: &Sphere, stretch: f32, shape: &Shape, pose: &Candidate) -> f32 {
-    let center = Lanes::from(*around);
-    let squared = |s: Lanes| {
-        let between = s - center;
-        between.dot(between)
-    };
-    let mut nearest = squared(pose.spheres[0]);
-    if shape.two {
-        let head = squared(pose.spheres[1]);
-        nearest = if head < nearest { head } else { nearest };
-    }
-    nearest.sqrt() - (around.radius + stretch * shape.larger_radius())
 }
 
 /// Where a usual step ends: in the cell it began in, on walkable ground.
@@ -450,8 +245,9 @@ fn know_cells(
     at: Candidate,
     mut known: Known,
     array: &mut CellArray,
-) -> Option<Known> {
-    known.cells_of(&step, cell, &at, array).then_some(known)
+) -> Known {
+    known.cells_of(&step, cell, &at, array);
+    known
 }
 
 /// See [`PlainStep::objects_around`].
@@ -606,8 +402,11 @@ impl PlainStep<'_> {
         let mut beside = beside;
         if !known.cells_at.is_within(&lowered, known.to_cells) {
             // Lifted onto a step, say.
-            *known = know_cells(*self, cell, lowered, *known, array)?;
+            *known = know_cells(*self, cell, lowered, *known, array);
             beside = 0.0;
+            if !(known.to_cells > 0.0) {
+                return None;
+            }
         }
         let others = array.entries().get(1..)?;
         if !(others.is_empty()

@@ -6,10 +6,11 @@ use glam::Vec3;
 use vestibule_world::{CellArray, EnvCell, Face, Lanes};
 
 use crate::bsp_tree;
+use crate::candidate::{Candidate, local_center};
 use crate::collision_info::collision_normal;
 use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS};
 use crate::object_info::is_walkable_z;
-use crate::plain_step::{Candidate, PlainEnd, PlainStep, local_center, search_below};
+use crate::plain_step::{PlainEnd, PlainStep, search_below};
 
 /// What is known of the surroundings of candidates.
 #[derive(Clone, Copy)]

@@ -7,9 +7,9 @@ use vestibule_world::{
     CellId, EnvCell, Face, Frame, LandCell, Landblock, Lanes, PhysicsBsp, Position, Sphere,
 };
 
+use crate::candidate::{Candidate, Shape};
 use crate::constants::EPSILON;
 use crate::math::UP;
-use crate::plain_step::{Candidate, Shape};
 use crate::transition::InsertType;
 
 /// A resident cell.

@@ -3,11 +3,12 @@
 use glam::Vec3;
 use vestibule_world::{EnvCell, Sphere};
 
+use crate::candidate::down;
 use crate::constants::{
     DEFAULT_STEP_HEIGHT, FLOOR_Z, MAX_INSERTION_DEPTH, STEP_DOWN_ATTEMPTS, Z_FOR_LANDING,
 };
 use crate::flags::ObjectState;
-use crate::plain_step::{down, find_open_floor, search_below};
+use crate::plain_step::{find_open_floor, search_below};
 use crate::polygon;
 use crate::sphere_path::CellRef;
 use crate::transition::{InsertType, Transition, TransitionState};

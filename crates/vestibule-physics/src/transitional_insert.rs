@@ -2,9 +2,9 @@
 
 use vestibule_world::CellId;
 
+use crate::candidate::Candidate;
 use crate::constants::{DEFAULT_STEP_HEIGHT, FLOOR_Z, MAX_INSERTION_DEPTH, Z_FOR_LANDING};
 use crate::flags::ObjectState;
-use crate::plain_step::Candidate;
 use crate::sphere_path::{CellRef, Pose};
 use crate::transition::{InsertType, Transition, TransitionState};
 

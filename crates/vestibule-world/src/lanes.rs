@@ -240,12 +240,6 @@ impl Lanes {
         self.0 = f32x4::new(lanes);
     }
 
-    /// Which lanes are no more than those of `other`, a bit each.
-    #[inline(always)]
-    pub fn at_most(self, other: Lanes) -> u32 {
-        self.0.simd_le(other.0).to_bitmask()
-    }
-
     /// The vectors scaled by the components of `v` and added in order: a turn by the matrix whose rows, or columns,
     /// they are.
     #[inline(always)]
@@ -381,6 +375,26 @@ mod tests {
         }
         assert!(!b.holds_cube(at(0.5), 0.5) && !LaneBox::NOTHING.holds(at(0.5)));
         assert_eq!(b.bounds().max, Vec3::ONE);
+    }
+
+    #[test]
+    fn lanes_are_told_apart() {
+        let (a, b) = (Lanes::new(A, 4.0), Lanes::new(B, 5.0));
+        assert_eq!(a.less(b), 0b1011);
+        assert_eq!(a.lesser(b), Lanes::new(Vec3::new(0.1, -2.3, 1e-3), 4.0));
+        assert_eq!(a.greater(b), Lanes::new(Vec3::new(7.7, 0.3, 1e3), 5.0));
+        assert_eq!(
+            (a.least(), a.lane(2), a.with_fourth(9.0).fourth()),
+            (-2.3, 1e3, 9.0)
+        );
+        let mut c = a;
+        c.set_lane(3, 7.0);
+        assert_eq!(c, a.with_fourth(7.0));
+        assert!(a.has_bits_of(c) && !a.has_bits_of(b) && a.has_xy_of(a) && !a.has_xy_of(b));
+        assert!(Lanes::ZERO.has_xy_of(Lanes::splat(-0.0)) && !Lanes::ZERO.has_bits_of(Lanes::splat(-0.0)));
+        // What is no number is not kept.
+        assert_eq!(Lanes::splat(f32::NAN).lesser(b), b);
+        assert_eq!(Lanes::splat(f32::NAN).greater(b), b);
     }
 
     #[test]
