@@ -116,6 +116,7 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     }
     let dats = context.dats()?;
     let world = World::open(dats.clone())?;
+    context.warn_of_damage("");
     let start = args.start.map(|place| place.position(&world)).transpose()?;
     let options = TourOptions {
         start,
