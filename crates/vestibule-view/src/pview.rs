@@ -74,6 +74,9 @@ struct RoomState {
     views: ViewList,
     /// First view not yet handed on.
     pending: u32,
+    /// Whether a view came since neighbours last told this room of theirs (retail `update_count != view_count`).
+    /// A room in the queue can have views to hand on and yet none of them new.
+    news: bool,
     scheduled: bool,
     done: bool,
     key: f32,
@@ -87,6 +90,7 @@ const UNTOUCHED: RoomState = RoomState {
     stamp: 0,
     views: NO_VIEWS,
     pending: NONE,
+    news: false,
     scheduled: false,
     done: false,
     key: 0.0,
@@ -425,6 +429,7 @@ impl PView {
         let key = if room == scene.start.room { 0.0 } else { farthest };
         state.key = key;
         state.scheduled = true;
+        state.news = false;
         state.reached_from = from;
         // Bits of non-negative floats sort as the floats do; equal keys leave in order of insertion.
         self.todo.push(Reverse((key.to_bits(), self.inserted, room)));

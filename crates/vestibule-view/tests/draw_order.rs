@@ -74,6 +74,50 @@ fn s6_2_what_the_finder_is_seen_through_follows_it_in_the_order_of_its_portals()
 }
 
 #[test]
+fn s5_6c_a_queued_neighbour_that_received_nothing_new_is_not_seen_through() {
+    // B has a door to C, which waits in the queue with a view from R; nothing of that door shows in B's view.
+    let doors = |b: Span| {
+        [
+            ("R", "A", 10.0, ALL),
+            ("R", "B", 20.0, b),
+            ("R", "C", 30.0, RIGHT),
+            ("B", "C", 15.0, RIGHT),
+            ("C", "A", 9.0, ALL),
+        ]
+    };
+    // C is moved before A; B, through which C is not seen, stays behind.
+    let mut rooms_left = rooms(&["R", "A", "B", "C"], &doors(LEFT));
+    assert_eq!(order(&mut rooms_left), ("RCAB".into(), 1));
+    // Where it is, B is moved before C.
+    let mut rooms_right = rooms(&["R", "A", "B", "C"], &doors(RIGHT));
+    assert_eq!(order(&mut rooms_right), ("RBCA".into(), 2));
+}
+
+#[test]
+fn s5_6c_a_door_that_nothing_came_through_is_still_looked_through() {
+    // The eye is on the near side of both of the doors between B and C, as rooms that are not where they seem can have
+    // it. B finds C in the queue and hands it nothing: C's door to B is no entry, and shows B what B's own door does not.
+    let mut rooms = rooms(
+        &["R", "B", "C"],
+        &[
+            ("R", "B", 20.0, LEFT),
+            ("R", "C", 30.0, RIGHT),
+            ("B", "C", 15.0, RIGHT),
+            ("C", "B", 16.0, RIGHT),
+        ],
+    );
+    // One pair instead of two: each of the portals looked through names the other as its other side.
+    rooms.specs[1].portals.truncate(2);
+    rooms.specs[2].portals.remove(1);
+    rooms.specs[1].portals[1].other_portal = Some(1);
+    rooms.specs[2].portals[1].other_portal = Some(1);
+    let openings = rooms.build();
+    let mut pview = PView::default();
+    let flood = pview.look_in_block(Some(&openings), &camera(0, EYE, Vec3::Y, 1.0));
+    assert_eq!(rooms.views(&flood), [("R", 1), ("B", 2), ("C", 1)].into());
+}
+
+#[test]
 fn s6_2_a_portal_that_let_no_view_in_moves_nothing() {
     // B has a door to C, but from where B is seen only the left of it would show. The right of C is seen late,
     // through D, and A through that.

@@ -47,6 +47,9 @@ fn main() -> ExitCode {
         // The reader has gone, as with `vestibule ls | head`: no error.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
+            if !error.is::<Failed>() && !is_usage(&error) {
+                context.warn_of_damage(&format!("{error:#}"));
+            }
             match context.out.flush() {
                 Err(e) if e.kind() == ErrorKind::BrokenPipe => ExitCode::SUCCESS,
                 // What was printed is lost, whatever else went wrong.
@@ -62,6 +65,10 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
         e.downcast_ref::<std::io::Error>()
             .is_some_and(|e| e.kind() == ErrorKind::BrokenPipe)
     })
+}
+
+fn is_usage(error: &anyhow::Error) -> bool {
+    error.chain().any(|e| e.is::<ui::Usage>())
 }
 
 /// Advice for what the operating system refused.
@@ -103,7 +110,7 @@ fn report(error: &anyhow::Error) -> ExitCode {
         text.push_str(&format!("\n\n{style}hint{style:#}: {hint}"));
     }
     anstream::eprintln!("{text}");
-    if error.chain().any(|e| e.is::<ui::Usage>()) {
+    if is_usage(error) {
         ExitCode::from(2)
     } else {
         ExitCode::FAILURE

@@ -1,5 +1,6 @@
 //! What every subcommand shares: options, output, tables, progress, errors with a hint.
 
+use std::cell::RefCell;
 use std::io::{BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,6 +30,8 @@ pub(crate) struct Context {
     pub(crate) json: bool,
     /// Results; colours are dropped where it is no terminal.
     pub(crate) out: BufWriter<anstream::AutoStream<std::io::Stdout>>,
+    /// What was opened, until its directories have been looked through for damage.
+    opened: RefCell<Option<Arc<DatSet>>>,
 }
 
 impl Context {
@@ -44,6 +47,7 @@ impl Context {
             dat,
             json: global.json,
             out,
+            opened: RefCell::new(None),
         }
     }
 
@@ -61,7 +65,32 @@ impl Context {
     }
 
     pub(crate) fn dats(&self) -> anyhow::Result<Arc<DatSet>> {
-        open_dats(self.folder())
+        let dats = open_dats(self.folder())?;
+        *self.opened.borrow_mut() = Some(dats.clone());
+        Ok(dats)
+    }
+
+    /// Says on stderr, a line a file, where the directories of the files opened are damaged, unless it was said
+    /// before or the text `said` has it: a world that is mostly missing has nothing else to show for it. Looks through
+    /// whole directories, so it is for when nothing was found, or before work that takes long.
+    pub(crate) fn warn_of_damage(&self, said: &str) {
+        let Some(dats) = self.opened.take() else { return };
+        for (_, file) in dats.files() {
+            let mut damage = file.iter().filter_map(Result::err);
+            let first = damage.next().map(|e| e.to_string());
+            let Some(first) = first.filter(|text| !said.contains(text)) else {
+                continue;
+            };
+            let more = match damage.count() {
+                0 => String::new(),
+                n => format!(" and {n} more"),
+            };
+            let (warn, hint) = (style::WARN, style::HINT);
+            anstream::eprintln!(
+                "{warn}warning{warn:#}: {first}{more}; {hint}hint{hint:#}: records are missing; copy the file again \
+                 from the installation, `vestibule dat verify` tells more"
+            );
+        }
     }
 
     pub(crate) fn world(&self) -> anyhow::Result<World> {

@@ -105,6 +105,52 @@ fn a_node_that_points_outside_leaves_other_records_usable() {
 }
 
 #[test]
+fn a_damaged_directory_is_said_wherever_nothing_is_found() {
+    let sandbox = Sandbox::new();
+    let dir = sandbox.build_world("w");
+    damage(&dir, CELL, |bytes| {
+        // The root node's first branch, past its block's link.
+        let root = u32::from_le_bytes(bytes[0x160..0x164].try_into().unwrap()) as usize;
+        bytes[root + 4..root + 8].copy_from_slice(&0x7FFF_FFF0u32.to_le_bytes());
+    });
+    let warning = "warning: branches: 0x7FFFFFF0 is outside the blocks";
+    sandbox.run(&["ls", "--dat", "w"]).says(&[warning, CELL]);
+    let (land, room) = ("0xA9B40031 [155.5 24 94.1]", "0xA9B40101 [155.4 14.2 94.1]");
+    for (args, code, wanted) in [
+        (&["tour"][..], 1, "no place to start"),
+        (&["tour", "--start", land], 1, "nobody can stand"),
+        (&["render", land, "--size", "8x6", "--cpu"], 1, "nobody can stand"),
+        (
+            &["render", "--eye", room, "--look", "0,1,0"],
+            1,
+            "there is no cell",
+        ),
+        (&["walk", "--from", land, "--to", room], 1, "nobody can stand"),
+        (&["map", "A9B4"], 1, "there is no landblock"),
+        (&["visible", "--eye", room, "--look", "0,1,0"], 0, ""),
+        (&["visible", "--eye", room, "--look", "0,1,0", "--json"], 0, ""),
+        // It is the error itself.
+        (
+            &["inspect", "0xA9B40101"],
+            1,
+            "error: record 0xA9B40101: branches",
+        ),
+    ] {
+        let ran = sandbox.run(&[args, &["--dat", "w"]].concat()).fails(code);
+        let ran = ran.says(&[CELL, wanted]);
+        let said: Vec<_> = ran.err.lines().filter(|line| line.contains(CELL)).collect();
+        assert_eq!(said.len(), 1, "{args:?}: {}", ran.err);
+        if args[0] != "inspect" {
+            assert!(said[0].starts_with(warning), "{}", ran.err);
+            assert!(said[0].contains("hint: "), "{}", ran.err);
+        }
+    }
+    // What is wrong with the command line is not the file's fault.
+    let usage = ["ls", "--dat", "w", "--file", "highres"];
+    assert!(!sandbox.run(&usage).fails(2).err.contains("warning"));
+}
+
+#[test]
 fn a_chain_that_runs_in_a_circle_ends() {
     let sandbox = Sandbox::new();
     let dir = sandbox.build_world("w");

@@ -66,7 +66,7 @@ fn a_file_that_cannot_be_written_is_said_with_a_hint_and_leaves_nothing() {
     let sandbox = Sandbox::new();
     std::fs::create_dir(sandbox.join("folder")).unwrap();
     for (file, hint) in [
-        ("nowhere/file.x", "a folder that is there"),
+        ("nowhere/file", "a folder that is there"),
         ("folder", "name a file"),
     ] {
         for args in [

@@ -165,6 +165,8 @@ fn pictures_that_cannot_be_made_say_why_and_what_to_do() {
         (&["render", "--eye", place, "--look", "0,0,0"], 2, "not all zero"),
         (&["render", "--eye", place], 2, "--look"),
         (&["render"], 2, "<POS>"),
+        (&["render", place, "-o", "x.jpg"], 2, "hint: name it x.png"),
+        (&["tour", "--film", "x.gif"], 2, "hint: name it x.png"),
         (
             &["render", place, "-o", "nowhere/x.png"],
             1,

@@ -17,13 +17,15 @@ impl PView {
             if self.portals[p as usize].flags & IN != 0 {
                 continue;
             }
-            let state = &self.rooms[other as usize];
+            let state = &mut self.rooms[other as usize];
             if state.stamp != self.stamp || state.views.count == 0 {
                 continue;
             }
             if !state.scheduled {
                 self.schedule(scene, other, portal.other_portal, room);
-            } else if state.pending != NONE {
+            } else if state.news {
+                // Before the repair, not after it: what comes in the course of that is news again.
+                state.news = false;
                 let done = state.done;
                 if portal.other_portal != NONE {
                     self.portals[portal.other_portal as usize].flags |= IN;

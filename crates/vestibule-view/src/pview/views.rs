@@ -77,6 +77,7 @@ impl PView {
             if state.pending == NONE {
                 state.pending = at;
             }
+            state.news = true;
             &mut state.views
         };
         if list.tail == NONE {

@@ -1,10 +1,12 @@
 //! `vestibule render`: a picture.
 
+use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context as _;
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::{Vec2, Vec3};
 use serde_json::json;
 use vestibule::render::{IdImage, Image, MAX_SIDE, PixelKind};
@@ -65,7 +67,7 @@ pub(crate) struct Args {
     #[arg(long)]
     cpu: bool,
     /// File to write
-    #[arg(short, long, value_name = "FILE.png", default_value = "view.png")]
+    #[arg(short, long, value_name = "FILE.png", value_parser = png_file(), default_value = "view.png")]
     output: PathBuf,
 }
 
@@ -80,6 +82,21 @@ pub(crate) fn parse_size(text: &str) -> Result<(u32, u32), String> {
         false if w == 0 || h == 0 => Err(format!("a picture without pixels; {}", help())),
         false => Err(format!("too large; {}", help())),
     }
+}
+
+/// A file for a picture. Every picture is a PNG: a name that says it is something else is refused.
+pub(crate) fn png_file() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| {
+        let is_png = |e: &OsStr| e.eq_ignore_ascii_case("png") || e.eq_ignore_ascii_case("apng");
+        if path.extension().is_none_or(is_png) {
+            return Ok(path);
+        }
+        let named = path.with_extension("png");
+        Err(format!(
+            "pictures are written as PNG; hint: name it {}",
+            named.display()
+        ))
+    })
 }
 
 fn parse_fov(text: &str) -> Result<f32, String> {

@@ -18,7 +18,7 @@ use vestibule::tour::{
 use vestibule::world::{BlockId, World};
 
 use super::place::{Place, parse_place};
-use super::render::parse_size;
+use super::render::{parse_size, png_file};
 use crate::ui::{Align, Context, Failed, Progress, Table, count, hinted, style};
 
 /// Walk through every cell that can be reached on foot, and print each change of cell
@@ -71,7 +71,7 @@ pub(crate) struct Args {
     #[arg(long)]
     no_pictures: bool,
     /// Write a film of the tour, an animated PNG that browsers show
-    #[arg(long, value_name = "FILE.png", conflicts_with = "no_look")]
+    #[arg(long, value_name = "FILE.png", value_parser = png_file(), conflicts_with = "no_look")]
     film: Option<PathBuf>,
     /// Size of the film, pixels
     #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "200x150", requires = "film")]
@@ -116,6 +116,7 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     }
     let dats = context.dats()?;
     let world = World::open(dats.clone())?;
+    context.warn_of_damage("");
     let start = args.start.map(|place| place.position(&world)).transpose()?;
     let options = TourOptions {
         start,

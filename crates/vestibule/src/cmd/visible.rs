@@ -67,6 +67,9 @@ pub(crate) fn run(args: &Args, context: &mut Context) -> anyhow::Result<()> {
     let cell = adjust_position(&world, &eye, Vec3::ZERO, true)
         .filter(|a| a.resident)
         .map(|a| a.position);
+    if cell.is_none() {
+        context.warn_of_damage("");
+    }
     let eye = cell.unwrap_or(eye);
     let fov = match args.fov {
         Some(degrees) => degrees.to_radians(),
