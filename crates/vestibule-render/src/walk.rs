@@ -53,7 +53,7 @@ pub enum PieceLight<'p> {
         cell: CellId,
         /// All of the cell's.
         lamps: &'p [Lamp],
-        /// Positions of those that reach the object, nearest first; [`MAX_OBJECT_LAMPS`] at most.
+        /// Positions of those that reach the object, nearest first; [`MAX_OBJECT_LAMPS`](crate::MAX_OBJECT_LAMPS) at most.
         near: &'p [u8],
     },
 }
