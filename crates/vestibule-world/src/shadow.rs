@@ -349,3 +349,36 @@ pub fn part_bounds(object: &StaticObject) -> Vec<PartBounds> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearer_of_a_movers_spheres_and_of_five_objects_counts() {
+        let reach = |x: f32, stretch: f32| StaticReach {
+            sphere: Sphere::new(Vec3::new(x, 0.0, 2.0), 0.5),
+            stretch,
+        };
+        let reaches = [
+            reach(50.0, 1.0),
+            reach(40.0, 1.0),
+            reach(30.0, 1.0),
+            reach(20.0, 1.0),
+            reach(3.0, 1.5),
+        ];
+        let lists = ShadowLists {
+            quad_starts: [0, 2].into(),
+            quads: reaches.chunks(4).map(ReachQuad::new).collect(),
+            ..ShadowLists::default()
+        };
+        let (cell, foot) = (CellId(0xA9B4_0001), Vec3::ZERO);
+        let at = |head| lists.distance(cell, foot, head, 0.4);
+        assert!((at(None) - (13.0f32.sqrt() - 0.5 - 0.6)).abs() < 1e-5);
+        assert!((at(Some(Vec3::new(0.0, 0.0, 2.0))) - (3.0 - 0.5 - 0.6)).abs() < 1e-5);
+        assert_eq!(
+            lists.distance(CellId(0xA9B4_0002), foot, None, 0.4),
+            f32::INFINITY
+        );
+    }
+}
