@@ -123,7 +123,7 @@ impl PlainStep<'_> {
         let moved = over.pose;
         let others = array.entries().get(1..)?;
         let objects = self.objects_on_lands(id, cell, others, &moved, false)?;
-        if !self.candidate.is_within(&moved, to_cells) {
+        if !moved.is_within(self.candidate.spheres[0], to_cells) {
             return None;
         }
         if over.contact.is_none() {
@@ -131,8 +131,8 @@ impl PlainStep<'_> {
             let h = self.search_depth();
             over.shift(down(h));
             settle(&mut over, STEP_DOWN_ATTEMPTS, Some(1.0), h)?;
-            if !self.candidate.is_within(&over.pose, to_cells)
-                || !(moved.is_within(&over.pose, objects)
+            if !over.pose.is_within(self.candidate.spheres[0], to_cells)
+                || !(over.pose.is_within(moved.spheres[0], objects)
                     || self
                         .objects_on_lands(id, cell, others, &over.pose, true)
                         .is_some())

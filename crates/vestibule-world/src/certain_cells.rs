@@ -24,9 +24,11 @@ pub fn certain_cells(world: &World, seed: CellId, spheres: &[Sphere], array: &mu
         return 0.0;
     };
     if seed.is_indoor() {
+        let Some(foot) = spheres.first() else { return 0.0 };
+        let pair = [*foot, *spheres.get(1).unwrap_or(foot)].map(Lanes::from);
         block
             .env_cell(seed)
-            .map_or(0.0, |cell| certain_rooms(block, cell, spheres, array))
+            .map_or(0.0, |cell| certain_rooms(block, cell, pair, array))
     } else {
         block.land_cell(seed).map_or(0.0, |cell| {
             certain_land_cells(world, block, seed, cell, spheres, array)
@@ -34,27 +36,50 @@ pub fn certain_cells(world: &World, seed: CellId, spheres: &[Sphere], array: &mu
     }
 }
 
-/// As [`certain_cells`] from an env cell of a landblock: rooms of the same landblock only.
+/// As [`certain_cells`] from an env cell of a landblock: rooms of the same landblock only. Radii are in the fourth
+/// lanes; a mover of one sphere has it twice.
 #[inline(never)]
-pub fn certain_rooms(block: &Landblock, cell: &EnvCell, spheres: &[Sphere], array: &mut CellArray) -> f32 {
+pub fn certain_rooms(block: &Landblock, cell: &EnvCell, spheres: [Lanes; 2], array: &mut CellArray) -> f32 {
     array.start(cell.id, true);
-    match flood(block, cell, spheres, array) {
-        Some(distance) if distance > 0.0 => distance,
-        _ => {
-            array.clear();
-            0.0
-        }
+    let inside = cell.hints.distance_inside(spheres[0]);
+    let mut away = Lanes::splat(inside);
+    let (mut seen, mut far) = (0, 0b1111);
+    for limits in cell.hints.distances_away(spheres) {
+        away = limits.lesser(away);
+        far &= Lanes::splat(NEAR).less(limits);
+        seen += 4;
     }
+    // Away from all portals, which is usual; what is no number is not.
+    if far == 0b1111 && inside > 0.0 && seen >= cell.portals.len() && !array.do_not_load_cells {
+        return away.least() * UNIT_TOLERANCE;
+    }
+    if inside > 0.0
+        && let Some(distance) = flood(block, cell, spheres, inside, array)
+        && distance > 0.0
+    {
+        return distance;
+    }
+    array.clear();
+    0.0
 }
 
+/// Nearer than this, what is behind a portal is looked at closely, metres.
+const NEAR: f32 = 0.1;
+
 /// The flood of `find_cell_list` through rooms, in its order. Each test along the way limits the shift to one that
-/// does not change its answer.
-#[inline]
-fn flood(block: &Landblock, seed: &EnvCell, spheres: &[Sphere], array: &mut CellArray) -> Option<f32> {
+/// does not change its answer; `inside` is such a limit already.
+#[inline(never)]
+fn flood(
+    block: &Landblock,
+    seed: &EnvCell,
+    spheres: [Lanes; 2],
+    inside: f32,
+    array: &mut CellArray,
+) -> Option<f32> {
     if array.do_not_load_cells {
         return None;
     }
-    let mut least = seed.hints.distance_inside(spheres.first()?.center);
+    let mut least = inside;
     let mut i = 0;
     while let Some(entry) = array.get(i)
         && least > 0.0
@@ -71,11 +96,9 @@ fn flood(block: &Landblock, seed: &EnvCell, spheres: &[Sphere], array: &mut Cell
 fn through_portals(
     block: &Landblock,
     cell: &EnvCell,
-    spheres: &[Sphere],
+    spheres: [Lanes; 2],
     array: &mut CellArray,
 ) -> Option<f32> {
-    /// Nearer than this, what is behind a portal is looked at closely, metres.
-    const NEAR: f32 = 0.1;
     let mut least = Lanes::splat(f32::INFINITY);
     let mut first = 0;
     for mut limits in cell.hints.distances_away(spheres) {
@@ -101,7 +124,7 @@ fn look_behind(
     block: &Landblock,
     portal: &CellPortal,
     limit: f32,
-    spheres: &[Sphere],
+    spheres: [Lanes; 2],
     array: &mut CellArray,
 ) -> Option<f32> {
     let behind = match portal.other {
