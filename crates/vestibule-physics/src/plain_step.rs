@@ -88,8 +88,10 @@ pub(crate) fn find_open_floor(
     })
 }
 
-/// Where a usual step ends: in the cell it began in, on walkable ground.
+/// Where a usual step ends: on walkable ground.
 pub(crate) struct PlainEnd {
+    /// Indoors the one it began in.
+    pub(crate) cell: CellId,
     pub(crate) origin: Lanes,
     /// What it stands on; its `d` in the fourth lane.
     pub(crate) plane: Lanes,
@@ -104,14 +106,17 @@ pub(crate) struct PlainEnd {
 impl PlainEnd {
     /// What the sweep comes to (5.11).
     #[inline(always)]
-    pub(crate) fn swept(&self, mover: &Mover, carried: &Carried, cell: CellId, to: &Position) -> Swept {
+    pub(crate) fn swept(&self, mover: &Mover, carried: &Carried, to: &Position) -> Swept {
         let mut frame = to.frame;
         frame.origin = self.origin.xyz();
         let falls = mover.physics.has(PhysicsState::GRAVITY);
         Swept {
             ok: true,
-            cell: Some(cell),
-            position: Position { cell, frame },
+            cell: Some(self.cell),
+            position: Position {
+                cell: self.cell,
+                frame,
+            },
             contact: Some(ContactPlane {
                 plane: self.plane.plane(),
                 cell: self.plane_cell,
@@ -222,7 +227,7 @@ pub(crate) fn plain_step(
     if from.cell.is_indoor() {
         step.in_rooms(scratch, found)
     } else {
-        plain_step_on_land(&step, scratch, found)
+        plain_step_on_land(&step, &mut scratch.cell_array)
     }
 }
 
@@ -396,6 +401,7 @@ impl PlainStep<'_> {
         Some(PlainEnd {
             origin: pose.origin,
             plane,
+            cell: self.from.cell,
             plane_cell: self.from.cell,
             is_water,
             hit,

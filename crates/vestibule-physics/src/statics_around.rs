@@ -10,11 +10,17 @@ use crate::plain_step::PlainStep;
 use crate::sphere::overlaps_sphere;
 
 impl PlainStep<'_> {
+    /// Whether no other body reaches into a cell.
+    #[inline(always)]
+    pub(crate) fn is_alone_in(&self, cell: CellId) -> bool {
+        !self.population.has_bodies() || self.population.is_alone_in(cell, self.mover.body)
+    }
+
     /// How far a pose may be shifted before it comes near an object, metres: zero when it is near some but clears
     /// them. `None` when it does not, or that is not easily told. `placing`: as a placement insertion asks.
     #[inline(always)]
     pub(crate) fn objects_around(&self, cell: CellId, pose: &Candidate, placing: bool) -> Option<f32> {
-        if self.population.has_bodies() && !self.population.is_alone_in(cell, self.mover.body) {
+        if !self.is_alone_in(cell) {
             return None;
         }
         let lists = self.world.shadow_lists(self.block);
