@@ -87,6 +87,7 @@ mod simulation;
 mod slide_sphere;
 mod sphere;
 mod sphere_path;
+mod statics_around;
 mod step_down;
 mod sweep;
 mod transition;

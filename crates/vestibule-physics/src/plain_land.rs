@@ -2,15 +2,14 @@
 //! [`crate::plain_step`].
 
 use vestibule_world::{
-    Building, CellArray, CellEntry, CellId, LandCell, Lanes, Plane, Sphere, Water, certain_land_cells,
+    Building, CellArray, CellEntry, CellId, LandCell, Lanes, Plane, Sphere, Water, distance_to_rooms,
+    transit::add_all_outside_cells,
 };
 
 use crate::candidate::{Candidate, Shape, distance_to_sphere, down};
 use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS, SHAPE_INTERP_LIMIT, STEP_DOWN_ATTEMPTS};
 use crate::object_info::is_walkable_z;
 use crate::plain_step::{PlainEnd, PlainStep};
-use crate::plain_walls::Known;
-use crate::sweep::Scratch;
 
 /// A candidate over terrain.
 struct OverLand<'a> {
@@ -75,43 +74,83 @@ impl OverLand<'_> {
     }
 }
 
-/// A step on a land cell, if it is a usual one.
+/// A step on a land cell, if it is a usual one. Land cells are columns and such a step goes straight up and down from the
+/// candidate: which of them it touches stays the same.
 #[inline(always)]
-pub(crate) fn plain_step_on_land(
-    step: &PlainStep<'_>,
-    scratch: &mut Scratch,
-    found: &mut Option<Known>,
-) -> Option<PlainEnd> {
-    let (id, block) = (step.from.cell, step.block);
-    let cell = block.land_cell(id)?;
-    let drowned = block
-        .land
-        .as_ref()
-        .is_none_or(|land| land.water == Water::Entirely);
-    let spheres = step.candidate.spheres();
-    let spheres = spheres.get(..step.shape.count()).unwrap_or(&spheres);
-    let to_cells = certain_land_cells(step.world, block, id, cell, spheres, &mut scratch.cell_array);
-    let end = step.on_certain_land(id, cell, to_cells, drowned, &scratch.cell_array);
+pub(crate) fn plain_step_on_land(step: &PlainStep<'_>, array: &mut CellArray) -> Option<PlainEnd> {
+    match step.on_bare_ground(array) {
+        Some(end) => Some(end),
+        None => on_any_land(*step, array),
+    }
+}
+
+/// See [`PlainStep::on_land`].
+#[inline(never)]
+fn on_any_land(step: PlainStep<'_>, array: &mut CellArray) -> Option<PlainEnd> {
+    let end = step.on_land(array);
     if end.is_none() {
-        *found = Some(Known::cells(&step.candidate, to_cells));
+        array.clear();
     }
     end
 }
 
 impl PlainStep<'_> {
-    /// On a land cell that is the only one touched, also up to `to_cells` from the candidate.
+    /// Where nothing but the ground of one land cell is touched: the usual case. Either it is stood on at once, or it is
+    /// found below and lifts the lowered candidate.
     #[inline(always)]
-    fn on_certain_land(
-        &self,
-        id: CellId,
-        cell: &LandCell,
-        to_cells: f32,
-        drowned: bool,
-        array: &CellArray,
-    ) -> Option<PlainEnd> {
-        if !(to_cells > 0.0) || cell.restriction.is_some() || drowned {
+    fn on_bare_ground(&self, array: &mut CellArray) -> Option<PlainEnd> {
+        let id = self.from.cell;
+        let cell = self.block.land_cell(id)?;
+        let [foot, head] = self.candidate.spheres;
+        if !self.world.shadow_lists(self.block).is_bare(id)
+            || !cell.certainly_holds([foot, head, self.low])
+            || !self.is_alone_in(id)
+        {
             return None;
         }
+        let plane = Lanes::of_plane(&cell.find_terrain_poly_inside(self.low)?.plane);
+        let n_z = plane.z();
+        if !is_walkable_z(n_z) {
+            return None;
+        }
+        // Only the height changes: the sums are those of [`OverLand::insert`].
+        let (across, radius) = (plane.times(self.low), foot.fourth());
+        let across = across.lane(0) + across.lane(1);
+        let above = |z: f32| across + n_z * (z - radius) + plane.fourth();
+        let mut pose = self.candidate;
+        let a = above(foot.z());
+        if a > EPSILON {
+            let h = self.search_depth();
+            let z = foot.z() + -h;
+            let a = above(z);
+            let lift = a / n_z;
+            let interp = 1.0 + lift / h;
+            if !(a < -EPSILON && interp < 1.0 && interp >= SHAPE_INTERP_LIMIT)
+                || !(above(z + -lift) >= -EPSILON)
+            {
+                return None;
+            }
+            pose.shift(down(h));
+            pose.shift(down(lift));
+        } else if !(a >= -EPSILON) {
+            return None;
+        }
+        array.start(id, true);
+        self.end(&pose, plane, false, None)
+    }
+
+    /// On land cells with other things on them, or on several: where the rooms of their buildings are not touched, nor
+    /// any object.
+    #[inline(always)]
+    fn on_land(&self, array: &mut CellArray) -> Option<PlainEnd> {
+        let land = self.block.land.as_ref()?;
+        let upright = self.low.has_xy_of(self.candidate.spheres[0]);
+        if land.water == Water::Entirely || !upright {
+            return None;
+        }
+        let (id, cell) = self.lands_touched(array)?;
+        let cells = array.entries();
+        let to_rooms = self.distance_to_rooms(cells, &self.candidate)?;
         let mut over = OverLand {
             cell,
             plane: &cell.find_terrain_poly(self.low.xyz())?.plane,
@@ -121,9 +160,12 @@ impl PlainStep<'_> {
         };
         settle(&mut over, MOVE_ATTEMPTS, None, 0.0)?;
         let moved = over.pose;
-        let others = array.entries().get(1..)?;
-        let objects = self.objects_on_lands(id, cell, others, &moved, false)?;
-        if !moved.is_within(self.candidate.spheres[0], to_cells) {
+        // The cell that is left is asked before the ground of the next one is.
+        if id != self.from.cell && !moved.has_bits_of(&self.candidate) {
+            return None;
+        }
+        let objects = self.objects_on_lands(cells, &moved, false)?;
+        if !moved.is_within(self.candidate.spheres[0], to_rooms) {
             return None;
         }
         if over.contact.is_none() {
@@ -131,14 +173,14 @@ impl PlainStep<'_> {
             let h = self.search_depth();
             over.shift(down(h));
             settle(&mut over, STEP_DOWN_ATTEMPTS, Some(1.0), h)?;
-            if !over.pose.is_within(self.candidate.spheres[0], to_cells)
-                || !(over.pose.is_within(moved.spheres[0], objects)
-                    || self
-                        .objects_on_lands(id, cell, others, &over.pose, true)
-                        .is_some())
-                || over.contact?.normal.z < FLOOR_Z
-            {
+            if over.contact?.normal.z < FLOOR_Z {
                 return None;
+            }
+            if !over.pose.is_within(self.candidate.spheres[0], to_rooms) {
+                self.distance_to_rooms(cells, &over.pose)?;
+            }
+            if !over.pose.is_within(moved.spheres[0], objects) {
+                self.objects_on_lands(cells, &over.pose, true)?;
             }
             // It must be possible to be placed there.
             let Answer::Ok = over.insert(None, 0.0)? else {
@@ -146,28 +188,70 @@ impl PlainStep<'_> {
             };
         }
         let plane = Lanes::of_plane(&over.contact?);
-        self.end(&over.pose, plane, cell.water != Water::Not, None)
+        let end = self.end(&over.pose, plane, cell.water != Water::Not, None)?;
+        Some(PlainEnd {
+            cell: id,
+            plane_cell: id,
+            ..end
+        })
     }
 
-    /// As [`PlainStep::objects_on_land`] in all land cells that a pose touches. The others' ground is not under it, nor
-    /// may they be watched over.
+    /// Fills the array with the land cells touched, all of this landblock, and finds the one below the foot.
     #[inline(always)]
-    fn objects_on_lands(
-        &self,
-        id: CellId,
-        cell: &LandCell,
-        others: &[CellEntry],
-        pose: &Candidate,
-        placing: bool,
-    ) -> Option<f32> {
-        let mut least = self.objects_on_land(id, cell, pose, placing)?;
-        for entry in others {
-            let other = self.block.land_cell(entry.id)?;
-            let upright = self.low.has_xy_of(self.candidate.spheres[0]);
-            if other.restriction.is_some() || !upright {
+    fn lands_touched(&self, array: &mut CellArray) -> Option<(CellId, &LandCell)> {
+        let id = self.from.cell;
+        let own = self.block.land_cell(id)?;
+        let [foot, head] = self.candidate.spheres;
+        array.start(id, true);
+        if own.certainly_holds([foot, head, self.low]) {
+            return Some((id, own));
+        }
+        array.clear();
+        let spheres = self.candidate.spheres();
+        let spheres = spheres.get(..self.shape.count()).unwrap_or(&spheres);
+        add_all_outside_cells(self.world, id, foot.xyz(), spheres, array);
+        if !array.contains(id) {
+            return None;
+        }
+        let mut below = None;
+        for entry in array.entries() {
+            let cell = self
+                .block
+                .land_cell(entry.id)
+                .filter(|_| entry.id.block() == id.block())?;
+            if cell.find_terrain_poly(self.low.xyz()).is_some() {
+                // On a border, more than one.
+                if below.is_some() {
+                    return None;
+                }
+                below = Some((entry.id, cell));
+            }
+        }
+        below
+    }
+
+    /// How far a pose may be shifted without touching a room of a building on one of these land cells, metres.
+    fn distance_to_rooms(&self, cells: &[CellEntry], pose: &Candidate) -> Option<f32> {
+        let spheres = pose.spheres();
+        let spheres = spheres.get(..self.shape.count()).unwrap_or(&spheres);
+        let mut least = f32::INFINITY;
+        for entry in cells {
+            let d = distance_to_rooms(self.world, self.block, self.block.land_cell(entry.id)?, spheres);
+            least = if d < least { d } else { least };
+        }
+        (least > 0.0).then_some(least)
+    }
+
+    /// As [`PlainStep::objects_on_land`] in all land cells that a pose touches, none of which may be watched over.
+    #[inline(always)]
+    fn objects_on_lands(&self, cells: &[CellEntry], pose: &Candidate, placing: bool) -> Option<f32> {
+        let mut least = f32::INFINITY;
+        for entry in cells {
+            let cell = self.block.land_cell(entry.id)?;
+            if cell.restriction.is_some() {
                 return None;
             }
-            let d = self.objects_on_land(entry.id, other, pose, placing)?;
+            let d = self.objects_on_land(entry.id, cell, pose, placing)?;
             least = if d < least { d } else { least };
         }
         Some(least)

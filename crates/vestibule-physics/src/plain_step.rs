@@ -8,23 +8,21 @@
 
 use glam::Vec3;
 use vestibule_world::{
-    CellArray, CellId, CylSphere, EnvCell, Landblock, Lanes, LevelFloor, PhysicsBsp, Position, SURE_OVERLAP,
-    ShadowLists, Sphere, StaticObject, World, certain_rooms,
+    CellArray, CellId, EnvCell, Landblock, Lanes, LevelFloor, PhysicsBsp, Position, SURE_OVERLAP, World,
+    certain_rooms,
 };
 
 use crate::adjust_offset::along_planes;
 use crate::bsp_tree::{self, Floor};
-use crate::candidate::{Candidate, Shape, distance_to_sphere, distance_to_statics, down};
+use crate::candidate::{Candidate, Shape, down};
 use crate::collision_info::sliding_normal;
 use crate::constants::{EPSILON, FLOOR_Z, POLYGON_INTERP_LIMIT};
-use crate::cylsphere::overlaps_cylinder;
 use crate::flags::{ObjectState, PhysicsState};
 use crate::math::normalised;
 use crate::plain_land::plain_step_on_land;
 use crate::plain_walls::{Known, Slide};
 use crate::polygon;
 use crate::population::Population;
-use crate::sphere::overlaps_sphere;
 use crate::sphere_path::Arms;
 use crate::sweep::{Carried, ContactPlane, Mover, Scratch, Swept};
 
@@ -131,8 +129,10 @@ fn rest_on_level_floor(
     })
 }
 
-/// Where a usual step ends: in the cell it began in, on walkable ground.
+/// Where a usual step ends: on walkable ground.
 pub(crate) struct PlainEnd {
+    /// Indoors the one it began in.
+    pub(crate) cell: CellId,
     pub(crate) origin: Lanes,
     /// What it stands on; its `d` in the fourth lane.
     pub(crate) plane: Lanes,
@@ -147,14 +147,17 @@ pub(crate) struct PlainEnd {
 impl PlainEnd {
     /// What the sweep comes to (5.11).
     #[inline(always)]
-    pub(crate) fn swept(&self, mover: &Mover, carried: &Carried, cell: CellId, to: &Position) -> Swept {
+    pub(crate) fn swept(&self, mover: &Mover, carried: &Carried, to: &Position) -> Swept {
         let mut frame = to.frame;
         frame.origin = self.origin.xyz();
         let falls = mover.physics.has(PhysicsState::GRAVITY);
         Swept {
             ok: true,
-            cell: Some(cell),
-            position: Position { cell, frame },
+            cell: Some(self.cell),
+            position: Position {
+                cell: self.cell,
+                frame,
+            },
             contact: Some(ContactPlane {
                 plane: self.plane.plane(),
                 cell: self.plane_cell,
@@ -263,7 +266,7 @@ pub(crate) fn plain_step(
         low: low + v,
     };
     if !from.cell.is_indoor() {
-        return plain_step_on_land(&step(), scratch, found);
+        return plain_step_on_land(&step(), &mut scratch.cell_array);
     }
     let cell = block.env_cell(from.cell)?;
     if cell.hints.are_calm(pose.spheres) {
@@ -307,71 +310,6 @@ fn know_cells(
 ) -> Known {
     known.cells_of(&step, cell, &at, array);
     known
-}
-
-/// See [`PlainStep::objects_around`].
-#[inline(never)]
-fn statics_around(
-    world: &World,
-    lists: &ShadowLists,
-    cell: CellId,
-    shape: &Shape,
-    pose: &Candidate,
-    placing: bool,
-) -> Option<f32> {
-    let least = distance_to_statics(lists, cell, shape, pose);
-    if least > 0.0 {
-        return Some(least);
-    }
-    clears_statics(world, lists, cell, shape, pose, placing).then_some(0.0)
-}
-
-/// Whether a pose that is near static objects certainly touches none of them.
-fn clears_statics(
-    world: &World,
-    lists: &ShadowLists,
-    cell: CellId,
-    shape: &Shape,
-    pose: &Candidate,
-    placing: bool,
-) -> bool {
-    lists.with_reaches(cell).all(|(r, reach)| {
-        if distance_to_sphere(&reach.sphere, reach.stretch, shape, pose) > 0.0 {
-            return true;
-        }
-        let Some(object) = world.static_object(r) else {
-            return true;
-        };
-        object.cell.block() == cell.block() && clears_object(object, shape, pose, placing)
-    })
-}
-
-/// Whether a pose certainly does not touch a static object of its landblock: by the one kind of shape that counts
-/// (8.2).
-fn clears_object(object: &StaticObject, mover: &Shape, pose: &Candidate, placing: bool) -> bool {
-    let shape = &object.shape;
-    if shape.has_physics_bsp {
-        return shape.parts.iter().zip(&object.part_frames).all(|(part, frame)| {
-            let model = part.model.as_ref();
-            let Some((bsp, bound)) = model.and_then(|m| Some((m.physics.as_ref()?, m.physics_sphere?)))
-            else {
-                return true;
-            };
-            part.scale.z == 1.0 && pose.clears_part(mover, frame, bsp, &bound, placing)
-        });
-    }
-    let place = |p: Vec3| Vec3::ZERO + object.frame.local_to_global(p);
-    if shape.cylspheres.is_empty() {
-        let place = |s: &Sphere| Sphere::new(place(s.center), s.radius);
-        let mut spheres = shape.spheres.iter().map(place);
-        return !spheres.any(|s| overlaps_sphere(&s, &pose.spheres(), mover.count()));
-    }
-    let place = |c: &CylSphere| CylSphere {
-        low_point: place(c.low_point),
-        ..*c
-    };
-    let mut cylinders = shape.cylspheres.iter().map(place);
-    !cylinders.any(|c| overlaps_cylinder(&c, &pose.spheres(), mover.count()))
 }
 
 impl PlainStep<'_> {
@@ -493,21 +431,6 @@ impl PlainStep<'_> {
         self.objects_around(cell, pose, placing)
     }
 
-    /// How far a pose may be shifted before it comes near an object, metres: zero when it is near some but clears
-    /// them. `None` when it does not, or that is not easily told. `placing`: as a placement insertion asks.
-    #[inline(always)]
-    pub(crate) fn objects_around(&self, cell: CellId, pose: &Candidate, placing: bool) -> Option<f32> {
-        if self.population.has_bodies() && !self.population.is_alone_in(cell, self.mover.body) {
-            return None;
-        }
-        let lists = self.world.shadow_lists(self.block);
-        if lists.is_empty_in(cell) {
-            return Some(f32::INFINITY);
-        }
-        let (shape, pose) = (self.shape, *pose);
-        statics_around(self.world, lists, cell, &shape, &pose, placing)
-    }
-
     /// See [`search_depth`].
     #[inline(always)]
     pub(crate) fn search_depth(&self) -> f32 {
@@ -552,6 +475,7 @@ fn end_at(
         return None;
     }
     Some(PlainEnd {
+        cell: from.cell,
         origin: pose.origin,
         plane,
         plane_cell: from.cell,

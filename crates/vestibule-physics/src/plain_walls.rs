@@ -147,6 +147,7 @@ impl PlainStep<'_> {
         let stands = radius + EPSILON > plane.dist(at.spheres[0]).abs() && is_walkable_z(plane.z());
         let certain = stands && known.cells_of(self, cell, &at, array);
         certain.then_some(PlainEnd {
+            cell: self.from.cell,
             origin: at.origin,
             plane,
             plane_cell: self.contact.cell,

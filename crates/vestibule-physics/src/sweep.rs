@@ -294,7 +294,7 @@ pub fn sweep(
             world, population, scratch, mover, carried, from, to, offset, &mut found,
         )
     {
-        return Ok(end.swept(mover, carried, from.cell, to));
+        return Ok(end.swept(mover, carried, to));
     }
     let found: Option<Known> = found;
     let built = match &found {

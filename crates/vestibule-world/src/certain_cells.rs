@@ -10,7 +10,7 @@ use crate::geometry::Sphere;
 use crate::ids::CellId;
 use crate::landblock::Landblock;
 use crate::lanes::Lanes;
-use crate::terrain::{LandCell, Split};
+use crate::terrain::{LAND_SLACK, LandCell};
 use crate::transit::add_all_outside_cells;
 use crate::transit_hints::UNIT_TOLERANCE;
 use crate::world::World;
@@ -30,9 +30,7 @@ pub fn certain_cells(world: &World, seed: CellId, spheres: &[Sphere], array: &mu
             .env_cell(seed)
             .map_or(0.0, |cell| certain_rooms(block, cell, pair, array))
     } else {
-        block.land_cell(seed).map_or(0.0, |cell| {
-            certain_land_cells(world, block, seed, cell, spheres, array)
-        })
+        certain_land_cells(world, block, seed, spheres, array)
     }
 }
 
@@ -145,19 +143,16 @@ fn look_behind(
 
 /// As [`certain_cells`] on land: land cells of the same landblock only.
 #[inline]
-pub fn certain_land_cells(
+fn certain_land_cells(
     world: &World,
     block: &Landblock,
     seed: CellId,
-    cell: &LandCell,
     spheres: &[Sphere],
     array: &mut CellArray,
 ) -> f32 {
     array.clear();
     let borders = to_borders(seed, spheres);
     let mut least = borders.distance;
-    let d = to_diagonal(seed, cell, spheres);
-    least = if d < least { d } else { least };
     if !(least > 0.0) {
         return 0.0;
     }
@@ -169,7 +164,7 @@ pub fn certain_land_cells(
     array.added_outside = true;
     for entry in array.entries() {
         let d = match block.land_cell(entry.id) {
-            Some(cell) if entry.id.block() == block.id => to_building(world, block, cell, spheres),
+            Some(cell) if entry.id.block() == block.id => distance_to_rooms(world, block, cell, spheres),
             _ => 0.0,
         };
         least = if d < least { d } else { least };
@@ -180,9 +175,6 @@ pub fn certain_land_cells(
     array.clear();
     0.0
 }
-
-/// Many times the rounding of coordinates inside a landblock, metres.
-const LAND_SLACK: f32 = 0.01;
 
 /// What spheres are to the borders of the land cell that holds their centres.
 struct Borders {
@@ -221,22 +213,10 @@ fn to_borders(seed: CellId, spheres: &[Sphere]) -> Borders {
     found
 }
 
-/// How far the first sphere's centre is from the diagonal between the land cell's triangles, metres.
-#[inline(always)]
-fn to_diagonal(seed: CellId, cell: &LandCell, spheres: &[Sphere]) -> f32 {
-    let Some(foot) = spheres.first() else { return 0.0 };
-    let (u, v) = in_land_cell(seed, foot.center);
-    let diagonal = match cell.split {
-        Split::SwNe => u - v,
-        Split::SeNw => u + v - SQUARE_LENGTH,
-    };
-    // The distance is 0.707 times this.
-    diagonal.abs() * 0.7 - LAND_SLACK
-}
-
 /// How far spheres may be shifted and stay out of what is behind the portals of a land cell's building, metres.
+/// Zero: one may be touched.
 #[inline(always)]
-fn to_building(world: &World, block: &Landblock, cell: &LandCell, spheres: &[Sphere]) -> f32 {
+pub fn distance_to_rooms(world: &World, block: &Landblock, cell: &LandCell, spheres: &[Sphere]) -> f32 {
     let mut least = f32::INFINITY;
     if let Some(building) = cell.building.and_then(|i| block.buildings.get(usize::from(i))) {
         for portal in &building.portals {

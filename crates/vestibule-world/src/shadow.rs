@@ -10,6 +10,7 @@ use crate::landblock::{LAND_CELLS, Landblock};
 use crate::lanes::Lanes;
 use crate::position::Position;
 use crate::shape::{StaticObject, StaticRef};
+use crate::terrain::{LandCell, Water};
 use crate::transit_parts::{PartBounds, find_bbox_cell_list};
 use crate::world::World;
 
@@ -26,6 +27,8 @@ pub struct ShadowLists {
     bounds: Box<[Sphere]>,
     /// Land cells that some object reaches, one bit each.
     land_cells: u64,
+    /// See [`ShadowLists::is_bare`], one bit for each land cell.
+    bare: u64,
     /// Start of each cell's range in `quads`; one more entry than cells.
     quad_starts: Box<[u32]>,
     quads: Box<[ReachQuad]>,
@@ -104,6 +107,14 @@ impl ShadowLists {
     #[inline]
     pub fn land_cells(&self) -> u64 {
         self.land_cells
+    }
+
+    /// Whether there is nothing but dry ground on a land cell of this block: no static object, no building, no
+    /// restriction.
+    #[inline(always)]
+    pub fn is_bare(&self, cell: CellId) -> bool {
+        let index = u32::from(cell.low()).wrapping_sub(1);
+        self.bare.checked_shr(index).is_some_and(|bits| bits & 1 != 0)
     }
 
     /// How far spheres of which `larger` is the largest radius may be shifted before one comes near a static object of
@@ -198,8 +209,10 @@ impl ShadowLists {
             quads.extend(of_cell.unwrap_or(&[]).chunks(4).map(ReachQuad::new));
             quad_starts[cell + 1] = quads.len() as u32;
         }
+        let land_cells = in_land.fold(0, |bits, &(slot, ..)| bits | 1 << slot);
         ShadowLists {
-            land_cells: in_land.fold(0, |bits, &(slot, ..)| bits | 1 << slot),
+            land_cells,
+            bare: dry_ground(block) & !land_cells,
             starts: starts.into(),
             refs: found.iter().map(|&(_, r, ..)| r).collect(),
             bounds: found.iter().map(|&(.., bounds)| bounds).collect(),
@@ -208,6 +221,17 @@ impl ShadowLists {
             quads: quads.into(),
         }
     }
+}
+
+/// Land cells without a building, a restriction or water, one bit each.
+fn dry_ground(block: &Landblock) -> u64 {
+    let is_dry_ground =
+        |cell: &LandCell| cell.building.is_none() && cell.restriction.is_none() && cell.water == Water::Not;
+    let mut bits = 0;
+    for (index, (_, cell)) in block.land_cells().take(LAND_CELLS).enumerate() {
+        bits |= u64::from(is_dry_ground(cell)) << index;
+    }
+    bits
 }
 
 /// A sphere that holds all of an object that can be run into, in the frame of its landblock.

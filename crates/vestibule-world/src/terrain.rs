@@ -8,6 +8,7 @@ use crate::constants::{
 };
 use crate::geometry::Plane;
 use crate::ids::LandCoord;
+use crate::lanes::Lanes;
 
 /// Which diagonal splits a land cell into its two triangles (`world.md` 4.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,9 +123,43 @@ pub struct LandCell {
     pub building: Option<u16>,
     /// Object that decides who may enter, from the restriction table (`world.md` 19).
     pub restriction: Option<u32>,
+    /// Middle of the square.
+    middle: Lanes,
+    /// For each polygon where the cell's diagonal ends, x and y, and how it runs there.
+    diagonals: [Lanes; 2],
 }
 
+/// Many times the rounding of coordinates inside a landblock, metres.
+pub(crate) const LAND_SLACK: f32 = 0.01;
+
 impl LandCell {
+    /// Whether seen from above all of these spheres are certainly inside the cell and touch no other; radii are in the
+    /// fourth lanes.
+    #[inline(always)]
+    pub fn certainly_holds(&self, spheres: [Lanes; 3]) -> bool {
+        let limit = Lanes::splat(SQUARE_LENGTH / 2.0 - LAND_SLACK);
+        let [a, b, c] = spheres.map(|s| ((s - self.middle).abs() + Lanes::splat(s.fourth())).less(limit));
+        a & b & c & 0b11 == 0b11
+    }
+
+    /// As [`LandCell::find_terrain_poly`] of a point that the cell certainly holds: only the diagonal is asked.
+    #[inline(always)]
+    pub fn find_terrain_poly_inside(&self, p: Lanes) -> Option<&TerrainPolygon> {
+        let p = p.xyz();
+        let [first, second] = &self.polygons;
+        let beyond = |diagonal: Lanes| {
+            let (end, run) = (diagonal.xyz(), [diagonal.z(), diagonal.fourth()]);
+            run[0] * (p.y - end.y) - run[1] * (p.x - end.x) > 0.0
+        };
+        if !beyond(self.diagonals[0]) {
+            Some(first)
+        } else if !beyond(self.diagonals[1]) {
+            Some(second)
+        } else {
+            None
+        }
+    }
+
     /// The triangle under or over `p`, landblock frame (retail `find_terrain_poly`, `world.md` T7).
     #[inline]
     pub fn find_terrain_poly(&self, p: Vec3) -> Option<&TerrainPolygon> {
@@ -180,10 +215,13 @@ pub fn build_land_cells(corner: LandCoord, heights: &[f32; 81], words: &[Terrain
                 x: corner.x + cx as i32,
                 y: corner.y + cy as i32,
             });
-            let polygons = match split {
-                Split::SwNe => [[sw, se, ne], [sw, ne, nw]],
-                Split::SeNw => [[sw, se, nw], [ne, nw, se]],
+            // The diagonals as the polygons' own edges run, for the bits of `TerrainPolygon::contains_2d`.
+            let (polygons, diagonals) = match split {
+                Split::SwNe => ([[sw, se, ne], [sw, ne, nw]], [[sw, ne], [ne, sw]]),
+                Split::SeNw => ([[sw, se, nw], [ne, nw, se]], [[nw, se], [se, nw]]),
             };
+            let diagonal =
+                |[from, to]: [Vec3; 2]| Lanes::new(Vec3::new(to.x, to.y, to.x - from.x), to.y - from.y);
             let corners = [(cx, cy), (cx + 1, cy), (cx + 1, cy + 1), (cx, cy + 1)];
             let water_corners = corners.iter().enumerate().fold(0u8, |bits, (k, &(i, j))| {
                 bits | u8::from(words[vertex_index(i, j)].is_water()) << k
@@ -200,6 +238,8 @@ pub fn build_land_cells(corner: LandCoord, heights: &[f32; 81], words: &[Terrain
                 water_corners,
                 building: None,
                 restriction: None,
+                middle: Lanes::from((sw + ne) * 0.5),
+                diagonals: diagonals.map(diagonal),
             });
         }
     }
@@ -360,6 +400,58 @@ mod tests {
             (0.45, 0.1, 0.1)
         );
         assert_eq!(cell(SW_NE, [0.0; 4], [0x16; 4]).water, Water::Not);
+    }
+
+    #[test]
+    fn t7_inside_a_cell_the_diagonal_tells_the_polygons_apart() {
+        let cells = build_land_cells(SW_NE, &[0.0; 81], &[TerrainWord(0); 81]);
+        assert!([Split::SwNe, Split::SeNw].map(|split| cells.iter().any(|c| c.split == split)) == [true; 2]);
+        let mut seed = 1u32;
+        let mut draw = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            0.02 + 23.96 * ((seed >> 8) as f32 / (1u32 << 24) as f32)
+        };
+        for cell in &cells {
+            let corner = cell.polygons[0].vertices[0];
+            for _ in 0..200 {
+                let (u, v) = (draw(), draw());
+                // On the diagonals as well.
+                for (u, v) in [(u, v), (u, u), (u, SQUARE_LENGTH - u)] {
+                    let p = corner + Vec3::new(u, v, 0.0);
+                    assert!(cell.certainly_holds([p.into(); 3]));
+                    assert_eq!(
+                        cell.find_terrain_poly_inside(p.into()),
+                        cell.find_terrain_poly(p),
+                        "{p}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_cell_holds_what_keeps_away_from_its_borders() {
+        let cell = &build_land_cells(SW_NE, &[7.0; 81], &[TerrainWord(0); 81])[8];
+        let at = |x: f32, y: f32, r: f32| Lanes::new(Vec3::new(x, y, 900.0), r);
+        let inside = at(36.0, 12.0, 0.5);
+        assert!(cell.certainly_holds([inside, at(24.6, 0.6, 0.5), at(47.4, 23.4, 0.5)]));
+        for beyond in [
+            at(24.5, 12.0, 0.5),
+            at(47.5, 12.0, 0.5),
+            at(36.0, 0.3, 0.5),
+            at(36.0, 23.6, 0.5),
+            at(12.0, 12.0, 0.0),
+            at(36.0, f32::NAN, 0.5),
+            at(36.0, 12.0, f32::NAN),
+        ] {
+            for spheres in [
+                [beyond, inside, inside],
+                [inside, beyond, inside],
+                [inside, inside, beyond],
+            ] {
+                assert!(!cell.certainly_holds(spheres), "{beyond:?}");
+            }
+        }
     }
 
     #[test]
