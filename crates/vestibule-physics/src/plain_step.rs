@@ -9,7 +9,7 @@
 use glam::Vec3;
 use vestibule_world::{
     CellArray, CellId, EnvCell, Landblock, Lanes, LevelFloor, PhysicsBsp, Position, SURE_OVERLAP, World,
-    certain_rooms,
+    certain_crossing, certain_rooms,
 };
 
 use crate::adjust_offset::along_planes;
@@ -131,7 +131,6 @@ fn rest_on_level_floor(
 
 /// Where a usual step ends: on walkable ground.
 pub(crate) struct PlainEnd {
-    /// Indoors the one it began in.
     pub(crate) cell: CellId,
     pub(crate) origin: Lanes,
     /// What it stands on; its `d` in the fourth lane.
@@ -285,7 +284,7 @@ pub(crate) fn plain_step(
                 || step().call_objects_around(cell.id, &lowered, true).is_some())
         {
             scratch.cell_array.start(cell.id, true);
-            return end_at(from, &lowered, floor.plane, false, None);
+            return end_at(from, cell.id, &lowered, floor.plane, false, None);
         }
     }
     step().in_rooms(cell, scratch, found)
@@ -317,6 +316,9 @@ impl PlainStep<'_> {
     #[inline(never)]
     fn in_rooms(&self, cell: &EnvCell, scratch: &mut Scratch, found: &mut Option<Known>) -> Option<PlainEnd> {
         let to_cells = self.certain_rooms(cell, &self.candidate, &mut scratch.cell_array);
+        if !(to_cells > 0.0) {
+            return self.into_another_room(cell, &mut scratch.cell_array, found);
+        }
         let mut known = Known::cells(&self.candidate, to_cells);
         let end = self.in_certain_rooms(cell, &mut known, &mut scratch.cell_array);
         if end.is_none() {
@@ -327,7 +329,7 @@ impl PlainStep<'_> {
 
     #[inline(always)]
     fn in_certain_rooms(&self, cell: &EnvCell, known: &mut Known, array: &mut CellArray) -> Option<PlainEnd> {
-        if !(known.to_cells > 0.0) || cell.restriction.is_some() {
+        if cell.restriction.is_some() {
             return None;
         }
         let own = self.candidate.clearance(&self.shape, cell);
@@ -351,6 +353,28 @@ impl PlainStep<'_> {
         }
         known.to_objects = objects;
         self.come_to_rest(cell, &self.candidate, [own, beside], known, array, None)
+    }
+
+    /// The candidate's foot is in another room, and neither it nor its head is in anybody's way.
+    #[inline(never)]
+    fn into_another_room(
+        &self,
+        cell: &EnvCell,
+        array: &mut CellArray,
+        found: &mut Option<Known>,
+    ) -> Option<PlainEnd> {
+        // Neither the array here nor what comes after it is for the longer way.
+        let mut known = Known::cells(&self.candidate, 0.0);
+        *found = Some(known);
+        let entered = certain_crossing(self.block, cell, self.candidate.spheres, array)?;
+        for entry in array.entries() {
+            let other = self.block.env_cell(entry.id)?;
+            if other.restriction.is_some() || self.candidate.clearance(&self.shape, other) < 0.0 {
+                return None;
+            }
+            self.objects_around(other.id, &self.candidate, false)?;
+        }
+        self.come_to_rest(entered, &self.candidate, [0.0; 2], &mut known, array, None)
     }
 
     #[inline(always)]
@@ -417,7 +441,7 @@ impl PlainStep<'_> {
                 return None;
             }
         }
-        self.end(&lowered, floor.plane, false, hit)
+        end_at(self.from, cell.id, &lowered, floor.plane, false, hit)
     }
 
     /// Fills the cell array; see [`certain_rooms`].
@@ -446,7 +470,7 @@ impl PlainStep<'_> {
         is_water: bool,
         hit: Option<Vec3>,
     ) -> Option<PlainEnd> {
-        end_at(self.from, pose, plane, is_water, hit)
+        end_at(self.from, self.from.cell, pose, plane, is_water, hit)
     }
 }
 
@@ -465,6 +489,7 @@ fn search_depth(mover: &Mover, two: bool) -> f32 {
 #[inline(always)]
 fn end_at(
     from: &Position,
+    cell: CellId,
     pose: &Candidate,
     plane: Lanes,
     is_water: bool,
@@ -475,10 +500,10 @@ fn end_at(
         return None;
     }
     Some(PlainEnd {
-        cell: from.cell,
+        cell,
         origin: pose.origin,
         plane,
-        plane_cell: from.cell,
+        plane_cell: cell,
         is_water,
         hit,
         stopped: false,

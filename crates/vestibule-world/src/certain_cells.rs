@@ -61,6 +61,46 @@ pub fn certain_rooms(block: &Landblock, cell: &EnvCell, spheres: [Lanes; 2], arr
     0.0
 }
 
+/// As [`certain_rooms`] where the centre of the first sphere has left the cell: the room that certainly holds it. The
+/// array is that of the spheres where they are.
+pub fn certain_crossing<'b>(
+    block: &'b Landblock,
+    cell: &EnvCell,
+    spheres: [Lanes; 2],
+    array: &mut CellArray,
+) -> Option<&'b EnvCell> {
+    array.start(cell.id, true);
+    let entered = crossing(block, cell, spheres, array);
+    if entered.is_none() {
+        array.clear();
+    }
+    entered
+}
+
+fn crossing<'b>(
+    block: &'b Landblock,
+    cell: &EnvCell,
+    spheres: [Lanes; 2],
+    array: &mut CellArray,
+) -> Option<&'b EnvCell> {
+    let center = spheres[0];
+    if !cell.hints.certainly_lacks(center) {
+        return None;
+    }
+    flood(block, cell, spheres, f32::INFINITY, array).filter(|&distance| distance > 0.0)?;
+    // The first in the array's order that holds it.
+    for entry in array.entries().get(1..)? {
+        let other = block.env_cell(entry.id)?;
+        if other.hints.distance_inside(center) > 0.0 {
+            return Some(other);
+        }
+        if !other.hints.certainly_lacks(center) {
+            return None;
+        }
+    }
+    None
+}
+
 /// Nearer than this, what is behind a portal is looked at closely, metres.
 const NEAR: f32 = 0.1;
 

@@ -173,6 +173,12 @@ impl TransitHints {
         self.planes.least_distance(p) - (SLACK + EPSILON)
     }
 
+    /// Whether a point is certainly not inside the cell.
+    #[inline(always)]
+    pub(crate) fn certainly_lacks(&self, p: Lanes) -> bool {
+        self.planes.least_distance(p) < -(SLACK + EPSILON)
+    }
+
     /// How far spheres may be shifted together and certainly stay outside the cell, metres. Zero or less: nothing
     /// is certain.
     #[inline]
