@@ -2,77 +2,14 @@
 //! [`crate::plain_step`].
 
 use vestibule_world::{
-    Building, CellArray, CellEntry, CellId, LandCell, Lanes, Plane, Sphere, Water, distance_to_rooms,
-    transit::add_all_outside_cells,
+    Building, CellArray, CellEntry, CellId, LandCell, Lanes, Plane, Sphere, Water, add_land_cells,
+    distance_to_rooms, transit::add_all_outside_cells,
 };
 
 use crate::candidate::{Candidate, Shape, distance_to_sphere, down};
-use crate::constants::{EPSILON, FLOOR_Z, MOVE_ATTEMPTS, SHAPE_INTERP_LIMIT, STEP_DOWN_ATTEMPTS};
+use crate::constants::{EPSILON, SHAPE_INTERP_LIMIT};
 use crate::object_info::is_walkable_z;
 use crate::plain_step::{PlainEnd, PlainStep};
-
-/// A candidate over terrain.
-struct OverLand<'a> {
-    cell: &'a LandCell,
-    /// The plane of the triangle below: the same for all of a step, which goes straight up and down from where that is
-    /// looked up.
-    plane: &'a Plane,
-    pose: Candidate,
-    low: Lanes,
-    contact: Option<Plane>,
-}
-
-/// How terrain answers an insertion.
-enum Answer {
-    /// It is satisfied, in contact or not.
-    Ok,
-    /// It moved the candidate up.
-    Adjusted,
-}
-
-impl OverLand<'_> {
-    #[inline(always)]
-    fn shift(&mut self, v: Lanes) {
-        self.pose.shift(v);
-        self.low += v;
-    }
-
-    /// One insertion into the land cell's terrain (7.3); `None` where it is not a usual one. `interp` is what is
-    /// left of the movement in a step down by `depth`.
-    #[inline(always)]
-    fn insert(&mut self, interp: Option<&mut f32>, depth: f32) -> Option<Answer> {
-        let plane = *self.plane;
-        let water = if self.cell.water == Water::Not {
-            0.0
-        } else {
-            self.cell.water_depth(self.low.xyz())
-        };
-        let n = plane.normal;
-        if interp.is_none() && !is_walkable_z(n.z) {
-            return None;
-        }
-        let foot = self.pose.spheres[0];
-        let low = foot - down(-foot.fourth());
-        let a = Lanes::of_plane(&plane).dist(low) + water;
-        if a > EPSILON {
-            return Some(Answer::Ok);
-        }
-        self.contact = Some(plane);
-        if a >= -EPSILON {
-            return Some(Answer::Ok);
-        }
-        let z = a / n.z;
-        if let Some(interp) = interp {
-            let w = (1.0 + z / (depth * *interp)) * *interp;
-            if w >= *interp || w < SHAPE_INTERP_LIMIT {
-                return None;
-            }
-            *interp = w;
-        }
-        self.shift(down(z));
-        Some(Answer::Adjusted)
-    }
-}
 
 /// A step on a land cell, if it is a usual one. Land cells are columns and such a step goes straight up and down from the
 /// candidate: which of them it touches stays the same.
@@ -95,48 +32,22 @@ fn on_any_land(step: PlainStep<'_>, array: &mut CellArray) -> Option<PlainEnd> {
 }
 
 impl PlainStep<'_> {
-    /// Where nothing but the ground of one land cell is touched: the usual case. Either it is stood on at once, or it is
-    /// found below and lifts the lowered candidate.
+    /// Where nothing but the ground of one land cell is touched: the usual case.
     #[inline(always)]
     fn on_bare_ground(&self, array: &mut CellArray) -> Option<PlainEnd> {
         let id = self.from.cell;
         let cell = self.block.land_cell(id)?;
         let [foot, head] = self.candidate.spheres;
         if !self.world.shadow_lists(self.block).is_bare(id)
-            || !cell.certainly_holds([foot, head, self.low])
+            || !cell.certainly_holds(foot, head, self.low)
             || !self.is_alone_in(id)
         {
             return None;
         }
-        let plane = Lanes::of_plane(&cell.find_terrain_poly_inside(self.low)?.plane);
-        let n_z = plane.z();
-        if !is_walkable_z(n_z) {
-            return None;
-        }
-        // Only the height changes: the sums are those of [`OverLand::insert`].
-        let (across, radius) = (plane.times(self.low), foot.fourth());
-        let across = across.lane(0) + across.lane(1);
-        let above = |z: f32| across + n_z * (z - radius) + plane.fourth();
-        let mut pose = self.candidate;
-        let a = above(foot.z());
-        if a > EPSILON {
-            let h = self.search_depth();
-            let z = foot.z() + -h;
-            let a = above(z);
-            let lift = a / n_z;
-            let interp = 1.0 + lift / h;
-            if !(a < -EPSILON && interp < 1.0 && interp >= SHAPE_INTERP_LIMIT)
-                || !(above(z + -lift) >= -EPSILON)
-            {
-                return None;
-            }
-            pose.shift(down(h));
-            pose.shift(down(lift));
-        } else if !(a >= -EPSILON) {
-            return None;
-        }
+        let polygon = cell.find_terrain_poly_inside(self.low)?;
+        let rest = self.rest_on(&polygon.plane, cell)?;
         array.start(id, true);
-        self.end(&pose, plane, false, None)
+        self.end_on_land(&rest, &polygon.plane, id, cell)
     }
 
     /// On land cells with other things on them, or on several: where the rooms of their buildings are not touched, nor
@@ -148,47 +59,66 @@ impl PlainStep<'_> {
         if land.water == Water::Entirely || !upright {
             return None;
         }
-        let (id, cell) = self.lands_touched(array)?;
+        let (id, cell) = self.land_cells(array)?;
         let cells = array.entries();
-        let to_rooms = self.distance_to_rooms(cells, &self.candidate)?;
-        let mut over = OverLand {
-            cell,
-            plane: &cell.find_terrain_poly(self.low.xyz())?.plane,
-            pose: self.candidate,
-            low: self.low,
-            contact: None,
+        let rooms = self.distance_to_rooms(cells, &self.candidate)?;
+        let objects = self.objects_on_lands(cells, &self.candidate, false)?;
+        let polygon = cell.find_terrain_poly(self.low.xyz())?;
+        let rest = self.rest_on(&polygon.plane, cell)?;
+        if !self.candidate.has_bits_of(&rest) {
+            if !rest.is_within(self.candidate.spheres[0], rooms) {
+                self.distance_to_rooms(cells, &rest)?;
+            }
+            if !rest.is_within(self.candidate.spheres[0], objects) {
+                self.objects_on_lands(cells, &rest, true)?;
+            }
+        }
+        self.end_on_land(&rest, &polygon.plane, id, cell)
+    }
+
+    /// Where the candidate comes to rest on walkable ground (5.6, 5.8, 7.3): where it is, lifted out of the ground, or
+    /// lowered and lifted. The first insertion that moves nothing is the last: one more, or to place it, finds the same.
+    #[inline(always)]
+    fn rest_on(&self, plane: &Plane, cell: &LandCell) -> Option<Candidate> {
+        let n_z = plane.normal.z;
+        if !is_walkable_z(n_z) {
+            return None;
+        }
+        let mut rest = self.candidate;
+        let foot = rest.spheres[0];
+        let water = if cell.water == Water::Not {
+            0.0
+        } else {
+            cell.water_depth(self.low.xyz())
         };
-        settle(&mut over, MOVE_ATTEMPTS, None, 0.0)?;
-        let moved = over.pose;
-        // The cell that is left is asked before the ground of the next one is.
-        if id != self.from.cell && !moved.has_bits_of(&self.candidate) {
-            return None;
-        }
-        let objects = self.objects_on_lands(cells, &moved, false)?;
-        if !moved.is_within(self.candidate.spheres[0], to_rooms) {
-            return None;
-        }
-        if over.contact.is_none() {
-            // The ground below (5.6).
+        // Of the low point only the height changes. The sums are those of its distance from the plane.
+        let plane = Lanes::of_plane(plane);
+        let across = plane.times(foot);
+        let across = across.lane(0) + across.lane(1);
+        let above = |z: f32| across + n_z * (z - foot.fourth()) + plane.fourth() + water;
+        let mut z = foot.z();
+        let mut a = above(z);
+        if a > EPSILON {
+            // The ground below.
             let h = self.search_depth();
-            over.shift(down(h));
-            settle(&mut over, STEP_DOWN_ATTEMPTS, Some(1.0), h)?;
-            if over.contact?.normal.z < FLOOR_Z {
+            rest.shift(down(h));
+            z -= h;
+            a = above(z);
+            let interp = 1.0 + a / n_z / h;
+            if !(a < -EPSILON && interp < 1.0 && interp >= SHAPE_INTERP_LIMIT) {
                 return None;
             }
-            if !over.pose.is_within(self.candidate.spheres[0], to_rooms) {
-                self.distance_to_rooms(cells, &over.pose)?;
-            }
-            if !over.pose.is_within(moved.spheres[0], objects) {
-                self.objects_on_lands(cells, &over.pose, true)?;
-            }
-            // It must be possible to be placed there.
-            let Answer::Ok = over.insert(None, 0.0)? else {
-                return None;
-            };
+        } else if a >= -EPSILON {
+            return Some(rest);
         }
-        let plane = Lanes::of_plane(&over.contact?);
-        let end = self.end(&over.pose, plane, cell.water != Water::Not, None)?;
+        let lift = a / n_z;
+        rest.shift(down(lift));
+        (above(z - lift) >= -EPSILON).then_some(rest)
+    }
+
+    #[inline(always)]
+    fn end_on_land(&self, rest: &Candidate, plane: &Plane, id: CellId, cell: &LandCell) -> Option<PlainEnd> {
+        let end = self.end(rest, Lanes::of_plane(plane), cell.water != Water::Not, None)?;
         Some(PlainEnd {
             cell: id,
             plane_cell: id,
@@ -198,27 +128,25 @@ impl PlainStep<'_> {
 
     /// Fills the array with the land cells touched, all of this landblock, and finds the one below the foot.
     #[inline(always)]
-    fn lands_touched(&self, array: &mut CellArray) -> Option<(CellId, &LandCell)> {
+    fn land_cells(&self, array: &mut CellArray) -> Option<(CellId, &LandCell)> {
         let id = self.from.cell;
         let own = self.block.land_cell(id)?;
-        let [foot, head] = self.candidate.spheres;
-        array.start(id, true);
-        if own.certainly_holds([foot, head, self.low]) {
+        let spheres = self.candidate.spheres;
+        let [foot, head] = [spheres[0], spheres[self.shape.count() - 1]];
+        if add_land_cells(id, own, foot, head, array) {
             return Some((id, own));
         }
-        array.clear();
-        let spheres = self.candidate.spheres();
+        let spheres = spheres.map(Sphere::from);
         let spheres = spheres.get(..self.shape.count()).unwrap_or(&spheres);
+        array.clear();
         add_all_outside_cells(self.world, id, foot.xyz(), spheres, array);
         if !array.contains(id) {
             return None;
         }
         let mut below = None;
         for entry in array.entries() {
-            let cell = self
-                .block
-                .land_cell(entry.id)
-                .filter(|_| entry.id.block() == id.block())?;
+            let here = entry.id.block() == id.block();
+            let cell = self.block.land_cell(entry.id).filter(|_| here)?;
             if cell.find_terrain_poly(self.low.xyz()).is_some() {
                 // On a border, more than one.
                 if below.is_some() {
@@ -292,16 +220,4 @@ fn shell_around(building: &Building, shape: &Shape, pose: &Candidate, placing: b
     }
     pose.clears_part(shape, frame, bsp, &bound, placing)
         .then_some(0.0)
-}
-
-/// Inserts until terrain is satisfied.
-#[inline(always)]
-fn settle(over: &mut OverLand<'_>, attempts: u32, interp: Option<f32>, depth: f32) -> Option<()> {
-    let mut interp = interp;
-    for _ in 0..attempts {
-        if let Answer::Ok = over.insert(interp.as_mut(), depth)? {
-            return Some(());
-        }
-    }
-    None
 }

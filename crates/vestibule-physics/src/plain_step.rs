@@ -415,7 +415,17 @@ impl PlainStep<'_> {
         let mut lowered = *pose;
         lowered.shift(down(h));
         let supported = self.mover.state.has(ObjectState::EDGE_SLIDE);
-        let floor = find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported)?;
+        let mut floor =
+            find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported).map(|floor| floor.plane);
+        if floor.is_none()
+            || !(lowered.is_within(known.objects_at, known.to_objects)
+                || self.objects_around(cell.id, &lowered, true).is_some())
+        {
+            lowered = *pose;
+            lowered.shift(down(h));
+            floor = self.rest_on_objects(cell, &mut lowered, h);
+        }
+        let floor = floor?;
         if !((own > 0.0 && lowered.is_within(pose.spheres[0], own)) || lowered.rests_in(&self.shape, cell)) {
             return None;
         }
@@ -441,7 +451,7 @@ impl PlainStep<'_> {
                 return None;
             }
         }
-        end_at(self.from, cell.id, &lowered, floor.plane, false, hit)
+        end_at(self.from, cell.id, &lowered, floor, false, hit)
     }
 
     /// Fills the cell array; see [`certain_rooms`].

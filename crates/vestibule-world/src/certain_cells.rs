@@ -4,7 +4,7 @@
 use crate::cell_array::CellArray;
 use glam::Vec3;
 
-use crate::constants::SQUARE_LENGTH;
+use crate::constants::{BLOCK_SIDE_CELLS, SQUARE_LENGTH};
 use crate::env_cell::{CellPortal, EnvCell, PortalTarget};
 use crate::geometry::Sphere;
 use crate::ids::CellId;
@@ -214,6 +214,41 @@ fn certain_land_cells(
     }
     array.clear();
     0.0
+}
+
+/// Fills `array` with the land cells under the spheres of a mover, as [`add_all_outside_cells`] does, if the foot's centre
+/// is certainly inside the land cell `seed` and what else they touch is plain; says whether it did. Radii are in the
+/// fourth lanes; a mover with one sphere gives it twice.
+#[inline(always)]
+pub fn add_land_cells(
+    seed: CellId,
+    cell: &LandCell,
+    foot: Lanes,
+    head: Lanes,
+    array: &mut CellArray,
+) -> bool {
+    let (Some([dx, dy]), of_head) = (cell.sides_crossed(foot), cell.sides_crossed(head)) else {
+        return false;
+    };
+    let index = i32::from(seed.low()) - 1;
+    let (x, y) = (index >> 3, index & 7);
+    let inside = |v: i32| (0..BLOCK_SIDE_CELLS).contains(&v);
+    // A head that reaches elsewhere comes second in the array: seldom.
+    if of_head != Some([dx, dy]) || !inside(x + dx) || !inside(y + dy) {
+        return false;
+    }
+    array.start(seed, true);
+    let mut add = |x: i32, y: i32| array.add(CellId::new(seed.block(), (8 * x + y + 1) as u16), true);
+    if dx != 0 {
+        add(x + dx, y);
+        if dy != 0 {
+            add(x + dx, y + dy);
+        }
+    }
+    if dy != 0 {
+        add(x, y + dy);
+    }
+    true
 }
 
 /// What spheres are to the borders of the land cell that holds their centres.

@@ -75,7 +75,7 @@ pub use aperture_tree::ApertureTree;
 pub use cell_array::{CellArray, CellEntry};
 pub use cell_bsp::{CellBsp, Inside};
 pub use cell_manager::CellManager;
-pub use certain_cells::{certain_cells, certain_crossing, certain_rooms, distance_to_rooms};
+pub use certain_cells::{add_land_cells, certain_cells, certain_crossing, certain_rooms, distance_to_rooms};
 pub use env_cell::{CellPortal, CellStruct, EnvCell, PortalTarget};
 pub use error::{LoadProblem, ProblemKind, WorldError};
 pub use find_cell_list::{CellList, MAX_CELL_LIST_CYLSPHERES, find_cell_list, find_cell_list_of_cylspheres};

@@ -109,8 +109,8 @@ impl ShadowLists {
         self.land_cells
     }
 
-    /// Whether there is nothing but dry ground on a land cell of this block: no static object, no building, no
-    /// restriction.
+    /// Whether there is nothing but ground on a land cell of this block, dry or with some water: no static object, no
+    /// building, no restriction.
     #[inline(always)]
     pub fn is_bare(&self, cell: CellId) -> bool {
         let index = u32::from(cell.low()).wrapping_sub(1);
@@ -212,7 +212,7 @@ impl ShadowLists {
         let land_cells = in_land.fold(0, |bits, &(slot, ..)| bits | 1 << slot);
         ShadowLists {
             land_cells,
-            bare: dry_ground(block) & !land_cells,
+            bare: open_ground(block) & !land_cells,
             starts: starts.into(),
             refs: found.iter().map(|&(_, r, ..)| r).collect(),
             bounds: found.iter().map(|&(.., bounds)| bounds).collect(),
@@ -223,13 +223,16 @@ impl ShadowLists {
     }
 }
 
-/// Land cells without a building, a restriction or water, one bit each.
-fn dry_ground(block: &Landblock) -> u64 {
-    let is_dry_ground =
-        |cell: &LandCell| cell.building.is_none() && cell.restriction.is_none() && cell.water == Water::Not;
+/// Land cells without a building or a restriction, one bit each; none in a block that is all water.
+fn open_ground(block: &Landblock) -> u64 {
+    let is_open = |cell: &LandCell| cell.building.is_none() && cell.restriction.is_none();
+    let drowned = block
+        .land
+        .as_ref()
+        .is_none_or(|land| land.water == Water::Entirely);
     let mut bits = 0;
     for (index, (_, cell)) in block.land_cells().take(LAND_CELLS).enumerate() {
-        bits |= u64::from(is_dry_ground(cell)) << index;
+        bits |= u64::from(is_open(cell) && !drowned) << index;
     }
     bits
 }

@@ -136,10 +136,31 @@ impl LandCell {
     /// Whether seen from above all of these spheres are certainly inside the cell and touch no other; radii are in the
     /// fourth lanes.
     #[inline(always)]
-    pub fn certainly_holds(&self, spheres: [Lanes; 3]) -> bool {
+    pub fn certainly_holds(&self, a: Lanes, b: Lanes, c: Lanes) -> bool {
         let limit = Lanes::splat(SQUARE_LENGTH / 2.0 - LAND_SLACK);
-        let [a, b, c] = spheres.map(|s| ((s - self.middle).abs() + Lanes::splat(s.fourth())).less(limit));
-        a & b & c & 0b11 == 0b11
+        let within = |s: Lanes| ((s - self.middle).abs() + Lanes::splat(s.fourth())).less(limit);
+        within(a) & within(b) & within(c) & 0b11 == 0b11
+    }
+
+    /// On which sides a sphere with its centre inside the cell reaches beyond it, seen from above: 1 to the east and 1 to
+    /// the north, -1 to the west and to the south. `None` where that is not certain. The radius is in the fourth lane.
+    #[inline(always)]
+    pub(crate) fn sides_crossed(&self, s: Lanes) -> Option<[i32; 2]> {
+        const HALF: f32 = SQUARE_LENGTH / 2.0;
+        let from = s - self.middle;
+        let rims = from.abs() + Lanes::splat(s.fourth() - HALF);
+        let inside = from.abs().less(Lanes::splat(HALF - LAND_SLACK));
+        let sure = inside & Lanes::splat(LAND_SLACK).less(rims.abs());
+        if sure & 0b11 != 0b11 || !(s.fourth() < HALF) {
+            return None;
+        }
+        let (crossed, negative) = (Lanes::ZERO.less(rims), from.less(Lanes::ZERO));
+        let side = |bit: u32| {
+            (crossed & bit != 0)
+                .then_some(if negative & bit != 0 { -1 } else { 1 })
+                .unwrap_or(0)
+        };
+        Some([side(1), side(2)])
     }
 
     /// As [`LandCell::find_terrain_poly`] of a point that the cell certainly holds: only the diagonal is asked.
@@ -418,7 +439,7 @@ mod tests {
                 // On the diagonals as well.
                 for (u, v) in [(u, v), (u, u), (u, SQUARE_LENGTH - u)] {
                     let p = corner + Vec3::new(u, v, 0.0);
-                    assert!(cell.certainly_holds([p.into(); 3]));
+                    assert!(cell.certainly_holds(p.into(), p.into(), p.into()));
                     assert_eq!(
                         cell.find_terrain_poly_inside(p.into()),
                         cell.find_terrain_poly(p),
@@ -434,7 +455,7 @@ mod tests {
         let cell = &build_land_cells(SW_NE, &[7.0; 81], &[TerrainWord(0); 81])[8];
         let at = |x: f32, y: f32, r: f32| Lanes::new(Vec3::new(x, y, 900.0), r);
         let inside = at(36.0, 12.0, 0.5);
-        assert!(cell.certainly_holds([inside, at(24.6, 0.6, 0.5), at(47.4, 23.4, 0.5)]));
+        assert!(cell.certainly_holds(inside, at(24.6, 0.6, 0.5), at(47.4, 23.4, 0.5)));
         for beyond in [
             at(24.5, 12.0, 0.5),
             at(47.5, 12.0, 0.5),
@@ -444,12 +465,12 @@ mod tests {
             at(36.0, f32::NAN, 0.5),
             at(36.0, 12.0, f32::NAN),
         ] {
-            for spheres in [
+            for [a, b, c] in [
                 [beyond, inside, inside],
                 [inside, beyond, inside],
                 [inside, inside, beyond],
             ] {
-                assert!(!cell.certainly_holds(spheres), "{beyond:?}");
+                assert!(!cell.certainly_holds(a, b, c), "{beyond:?}");
             }
         }
     }

@@ -4,8 +4,8 @@ use glam::{Quat, Vec3};
 use proptest::prelude::*;
 use vestibule_testing::records::{Builder, Room};
 use vestibule_world::{
-    BlockId, CellArray, CellId, Frame, MapCoordinates, Position, Sphere, World, find_cell_list,
-    ids::block_offset,
+    BlockId, CellArray, CellId, Frame, Lanes, MapCoordinates, Position, Sphere, World, add_land_cells,
+    find_cell_list, ids::block_offset, transit::add_all_outside_cells,
 };
 
 fn block() -> impl Strategy<Value = BlockId> {
@@ -96,6 +96,31 @@ proptest! {
         let shown: MapCoordinates = MapCoordinates::of(&p).to_string().parse().unwrap();
         if let Some(back) = shown.to_position(0.0) {
             prop_assert!(p.offset_to(&back).abs().max_element() < 24.0);
+        }
+    }
+
+    #[test]
+    fn s2_the_quick_list_of_land_cells_is_the_exact_one(
+        (cx, cy) in (0u16..8, 0u16..8),
+        foot in prop_oneof![Just([0.3f32, 12.0]), Just([12.0, 23.7]), [0.0f32..24.0, 0.0f32..24.0], [0.0f32..1.0, 0.0f32..1.0]],
+        radii in prop_oneof![Just([0.5f32, 0.5]), [0.01f32..1.0, 0.01f32..1.0], [5.0f32..20.0, 5.0f32..20.0]],
+        turned in any::<bool>(),
+    ) {
+        let world = small_world();
+        let seed = CellId(0xA9B4_0001 + u32::from(8 * cx + cy));
+        let [x, y] = if turned { foot.map(|v| 24.0 - v) } else { foot };
+        let foot = Vec3::new(24.0 * f32::from(cx) + x, 24.0 * f32::from(cy) + y, 0.0);
+        let spheres = radii.map(|r| Sphere::new(foot, r));
+        let [a, b] = spheres.map(Lanes::from);
+        let (mut quick, mut exact) = (CellArray::new(), CellArray::new());
+        if add_land_cells(seed, world.land_cell(seed).unwrap(), a, b, &mut quick) {
+            add_all_outside_cells(&world, seed, foot, &spheres, &mut exact);
+            prop_assert_eq!(quick.entries(), exact.entries());
+        } else {
+            let far = |v: f32, r: f32| v > 0.02 && v < 23.98 && (v - r).abs() > 0.02 && (24.0 - v - r).abs() > 0.02;
+            let plain = radii[0] == radii[1] && radii[0] < 12.0 && far(x, radii[0]) && far(y, radii[0]);
+            let at_rim = [cx, cy].iter().any(|c| [0, 7].contains(c));
+            prop_assert!(!plain || at_rim, "given up without need");
         }
     }
 
