@@ -7,7 +7,7 @@ use crate::bsp_tree::{self, WalkableSearch};
 use crate::candidate::Candidate;
 use crate::constants::{FLOOR_Z, STEP_DOWN_ATTEMPTS};
 use crate::flags::ObjectState;
-use crate::plain_step::PlainStep;
+use crate::plain_step::{PlainStep, has_ground_below};
 use crate::polygon;
 use crate::statics_around::clears_object;
 
@@ -51,7 +51,7 @@ impl PlainStep<'_> {
                 None => self.lift_onto_an_object(cell.id, &mut lowered)?,
             };
             if lifted.is_none() {
-                return self.supported_by(&ground?);
+                return self.supported_by(&ground?, cell, lowered.pose, depth);
             }
             ground = lifted;
         }
@@ -59,11 +59,18 @@ impl PlainStep<'_> {
     }
 
     /// The ground's plane, if it is level enough and holds the foot.
-    fn supported_by(&self, ground: &Ground<'_>) -> Option<Lanes> {
+    fn supported_by(
+        &self,
+        ground: &Ground<'_>,
+        cell: &EnvCell,
+        pose: &Candidate,
+        depth: f32,
+    ) -> Option<Lanes> {
         let half = self.shape.arms[0].fourth() * 0.5;
         let edges = ground.bsp.edges(ground.face);
         let holds = !self.mover.state.has(ObjectState::EDGE_SLIDE)
-            || polygon::check_walkable(ground.face, edges, ground.sphere, half, ground.up);
+            || polygon::check_walkable(ground.face, edges, ground.sphere, half, ground.up)
+            || has_ground_below(cell, self.shape, *pose, depth, FLOOR_Z);
         (holds && !(ground.plane.z() < FLOOR_Z)).then_some(ground.plane)
     }
 

@@ -80,18 +80,32 @@ pub(crate) fn find_open_floor(
     if plane.z() < z {
         return None;
     }
+    let offset = frame.turned_out(floor.sphere - local);
+    lowered.shift(offset);
     if supported {
         let half = shape.arms[0].fourth() * 0.5;
-        if !polygon::check_walkable(face, bsp.edges(face), floor.sphere, half, frame.up()) {
+        if !polygon::check_walkable(face, bsp.edges(face), floor.sphere, half, frame.up())
+            && !has_ground_below(cell, *shape, *lowered, h, z)
+        {
             return None;
         }
     }
-    let offset = frame.turned_out(floor.sphere - local);
-    lowered.shift(offset);
     Some(OpenFloor {
         offset,
         plane,
         walk_interp: floor.walk_interp,
+    })
+}
+
+/// Whether some floor of a room supports a candidate once it is lowered by `h` (5.9). This is asked of the room before
+/// it is asked of anything else.
+#[inline(never)]
+pub(crate) fn has_ground_below(cell: &EnvCell, shape: Shape, at: Candidate, h: f32, z: f32) -> bool {
+    let mut lowered = at;
+    lowered.shift(down(h));
+    cell.structure.physics.as_ref().is_some_and(|bsp| {
+        let foot = lowered.local(&shape, &cell.frame, 0);
+        bsp_tree::hits_walkable(bsp, &foot.into(), cell.frame.up().xyz(), z)
     })
 }
 
