@@ -72,10 +72,10 @@ impl Candidate {
         local_center(self.origin, shape, frame, i).with_fourth(shape.arms[i].fourth())
     }
 
-    /// Whether another pose is less than `distance` away.
+    /// Whether it is less than `distance` from where its foot sphere would be at `foot`.
     #[inline(always)]
-    pub(crate) fn is_within(&self, pose: &Candidate, distance: f32) -> bool {
-        let shift = pose.spheres[0] - self.spheres[0];
+    pub(crate) fn is_within(&self, foot: Lanes, distance: f32) -> bool {
+        let shift = self.spheres[0] - foot;
         shift.dot(shift) < distance * distance
     }
 

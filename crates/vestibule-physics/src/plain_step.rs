@@ -8,14 +8,15 @@
 
 use glam::Vec3;
 use vestibule_world::{
-    CellArray, CellId, EnvCell, Landblock, Lanes, PhysicsBsp, Position, TransitHints, World, certain_rooms,
+    CellArray, CellId, EnvCell, Landblock, Lanes, LevelFloor, PhysicsBsp, Position, SURE_OVERLAP, World,
+    certain_crossing, certain_rooms,
 };
 
 use crate::adjust_offset::along_planes;
 use crate::bsp_tree::{self, Floor};
 use crate::candidate::{Candidate, Shape, down};
 use crate::collision_info::sliding_normal;
-use crate::constants::{EPSILON, FLOOR_Z};
+use crate::constants::{EPSILON, FLOOR_Z, POLYGON_INTERP_LIMIT};
 use crate::flags::{ObjectState, PhysicsState};
 use crate::math::normalised;
 use crate::plain_land::plain_step_on_land;
@@ -63,6 +64,12 @@ pub(crate) fn find_open_floor(
     z: f32,
     supported: bool,
 ) -> Option<OpenFloor> {
+    let level = cell.hints.level_floor();
+    if level.is_around(lowered.spheres[0])
+        && let Some(floor) = rest_on_level_floor(level, shape, lowered, h, z)
+    {
+        return Some(floor);
+    }
     let frame = &cell.frame;
     let (bsp, floor, local) = search_below(cell, shape, lowered, h, z)?;
     let face = floor.face;
@@ -88,9 +95,42 @@ pub(crate) fn find_open_floor(
     })
 }
 
+/// As [`find_open_floor`] over a level floor, which supports what rests on it: the arithmetic of
+/// [`bsp_tree::find_floor`] less products with zero. `None`: not by it alone.
+#[inline(always)]
+fn rest_on_level_floor(
+    level: &LevelFloor,
+    shape: &Shape,
+    lowered: &mut Candidate,
+    h: f32,
+    allowance: f32,
+) -> Option<OpenFloor> {
+    let radius = shape.arms[0].fourth();
+    let reach = radius - EPSILON;
+    let z = lowered.origin.z() + shape.arms[0].z() - level.origin_z;
+    let s = z + level.d;
+    // Deep enough for a walk to reach it, level enough, and steep faces do not matter.
+    let found = s.abs() <= radius - (SURE_OVERLAP + EPSILON) && 1.0 > allowance && allowance > 0.08;
+    if !(found && h > EPSILON && level.plane.z() >= allowance) {
+        return None;
+    }
+    let a = (s - radius) / -h;
+    let walk_interp = 1.0 - a;
+    let rested = z - -h * a;
+    if walk_interp >= 1.0 || walk_interp < POLYGON_INTERP_LIMIT || !(reach < (rested + level.d).abs()) {
+        return None;
+    }
+    let offset = level.shift_by(rested - z);
+    lowered.shift(offset);
+    Some(OpenFloor {
+        offset,
+        plane: level.plane,
+        walk_interp,
+    })
+}
+
 /// Where a usual step ends: on walkable ground.
 pub(crate) struct PlainEnd {
-    /// Indoors the one it began in.
     pub(crate) cell: CellId,
     pub(crate) origin: Lanes,
     /// What it stands on; its `d` in the fourth lane.
@@ -213,7 +253,7 @@ pub(crate) fn plain_step(
     if !(plane + rotation + heights + pose.origin).all_finite() {
         return None;
     }
-    let step = PlainStep {
+    let step = || PlainStep {
         world,
         population,
         mover,
@@ -224,11 +264,30 @@ pub(crate) fn plain_step(
         candidate: pose,
         low: low + v,
     };
-    if from.cell.is_indoor() {
-        step.in_rooms(scratch, found)
-    } else {
-        plain_step_on_land(&step, &mut scratch.cell_array)
+    if !from.cell.is_indoor() {
+        return plain_step_on_land(&step(), &mut scratch.cell_array);
     }
+    let cell = block.env_cell(from.cell)?;
+    if cell.hints.are_calm(pose.spheres) {
+        let objects = match has_objects(world, population, block, mover, cell.id) {
+            true => step().call_objects_around(cell.id, &pose, false)?,
+            false => f32::INFINITY,
+        };
+        // Touching nothing but the floor: the usual way.
+        let h = search_depth(mover, shape.two);
+        let mut lowered = pose;
+        lowered.shift(down(h));
+        let supported = mover.state.has(ObjectState::EDGE_SLIDE);
+        if let Some(floor) = find_open_floor(cell, &shape, &mut lowered, h, FLOOR_Z, supported)
+            && cell.hints.are_calm(lowered.spheres)
+            && (lowered.is_within(pose.spheres[0], objects)
+                || step().call_objects_around(cell.id, &lowered, true).is_some())
+        {
+            scratch.cell_array.start(cell.id, true);
+            return end_at(from, cell.id, &lowered, floor.plane, false, None);
+        }
+    }
+    step().in_rooms(cell, scratch, found)
 }
 
 /// The offset of a mover that carries a sliding normal (4.2); `None` when that is not finite.
@@ -254,10 +313,12 @@ fn know_cells(
 
 impl PlainStep<'_> {
     /// In a room, and maybe partly in others of the landblock.
-    #[inline(always)]
-    fn in_rooms(&self, scratch: &mut Scratch, found: &mut Option<Known>) -> Option<PlainEnd> {
-        let cell = self.block.env_cell(self.from.cell)?;
+    #[inline(never)]
+    fn in_rooms(&self, cell: &EnvCell, scratch: &mut Scratch, found: &mut Option<Known>) -> Option<PlainEnd> {
         let to_cells = self.certain_rooms(cell, &self.candidate, &mut scratch.cell_array);
+        if !(to_cells > 0.0) {
+            return self.into_another_room(cell, &mut scratch.cell_array, found);
+        }
         let mut known = Known::cells(&self.candidate, to_cells);
         let end = self.in_certain_rooms(cell, &mut known, &mut scratch.cell_array);
         if end.is_none() {
@@ -268,7 +329,7 @@ impl PlainStep<'_> {
 
     #[inline(always)]
     fn in_certain_rooms(&self, cell: &EnvCell, known: &mut Known, array: &mut CellArray) -> Option<PlainEnd> {
-        if !(known.to_cells > 0.0) || cell.restriction.is_some() {
+        if cell.restriction.is_some() {
             return None;
         }
         let own = self.candidate.clearance(&self.shape, cell);
@@ -292,6 +353,28 @@ impl PlainStep<'_> {
         }
         known.to_objects = objects;
         self.come_to_rest(cell, &self.candidate, [own, beside], known, array, None)
+    }
+
+    /// The candidate's foot is in another room, and neither it nor its head is in anybody's way.
+    #[inline(never)]
+    fn into_another_room(
+        &self,
+        cell: &EnvCell,
+        array: &mut CellArray,
+        found: &mut Option<Known>,
+    ) -> Option<PlainEnd> {
+        // Neither the array here nor what comes after it is for the longer way.
+        let mut known = Known::cells(&self.candidate, 0.0);
+        *found = Some(known);
+        let entered = certain_crossing(self.block, cell, self.candidate.spheres, array)?;
+        for entry in array.entries() {
+            let other = self.block.env_cell(entry.id)?;
+            if other.restriction.is_some() || self.candidate.clearance(&self.shape, other) < 0.0 {
+                return None;
+            }
+            self.objects_around(other.id, &self.candidate, false)?;
+        }
+        self.come_to_rest(entered, &self.candidate, [0.0; 2], &mut known, array, None)
     }
 
     #[inline(always)]
@@ -333,11 +416,11 @@ impl PlainStep<'_> {
         lowered.shift(down(h));
         let supported = self.mover.state.has(ObjectState::EDGE_SLIDE);
         let floor = find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported)?;
-        if !((own > 0.0 && pose.is_within(&lowered, own)) || lowered.rests_in(&self.shape, cell)) {
+        if !((own > 0.0 && lowered.is_within(pose.spheres[0], own)) || lowered.rests_in(&self.shape, cell)) {
             return None;
         }
         let mut beside = beside;
-        if !known.cells_at.is_within(&lowered, known.to_cells) {
+        if !lowered.is_within(known.cells_at[0], known.to_cells) {
             // Lifted onto a step, say.
             *known = know_cells(*self, cell, lowered, *known, array);
             beside = 0.0;
@@ -347,65 +430,83 @@ impl PlainStep<'_> {
         }
         let others = array.entries().get(1..)?;
         if !(others.is_empty()
-            || (beside > 0.0 && pose.is_within(&lowered, beside))
+            || (beside > 0.0 && lowered.is_within(pose.spheres[0], beside))
             || lowered.rests_beside(&self.shape, self.block, others))
         {
             return None;
         }
-        if !known.objects_at.is_within(&lowered, known.to_objects) {
+        if !lowered.is_within(known.objects_at, known.to_objects) {
             let mut all = array.entries().iter();
             if !all.all(|entry| self.objects_around(entry.id, &lowered, true).is_some()) {
                 return None;
             }
         }
-        self.end(&lowered, floor.plane, false, hit)
+        end_at(self.from, cell.id, &lowered, floor.plane, false, hit)
     }
 
     /// Fills the cell array; see [`certain_rooms`].
     #[inline(always)]
     pub(crate) fn certain_rooms(&self, cell: &EnvCell, pose: &Candidate, array: &mut CellArray) -> f32 {
-        let quiet = |i: usize| cell.hints.is_quiet(pose.spheres[i], self.shape.arms[i].fourth());
-        if quiet(0) && (!self.shape.two || quiet(1)) {
-            array.start(cell.id, true);
-            return TransitHints::QUIET_SHIFT;
-        }
-        let spheres = pose.spheres();
-        let spheres = spheres.get(..self.shape.count()).unwrap_or(&spheres);
-        certain_rooms(self.block, cell, spheres, array)
+        certain_rooms(self.block, cell, pose.spheres, array)
     }
 
-    /// How far down ground is looked for at first, metres (5.6).
+    #[inline(never)]
+    fn call_objects_around(&self, cell: CellId, pose: &Candidate, placing: bool) -> Option<f32> {
+        self.objects_around(cell, pose, placing)
+    }
+
+    /// See [`search_depth`].
     #[inline(always)]
     pub(crate) fn search_depth(&self) -> f32 {
-        let radius = self.mover.spheres[0].radius;
-        let mut h = self.mover.step_down_height;
-        if !self.shape.two && 2.0 * radius < h {
-            h = radius / 2.0;
-        }
-        if 2.0 * radius >= h { h } else { h / 2.0 }
+        search_depth(self.mover, self.shape.two)
     }
+}
 
-    /// What the sweep comes to, unless it made no progress.
-    #[inline(always)]
-    pub(crate) fn end(
-        &self,
-        pose: &Candidate,
-        plane: Lanes,
-        is_water: bool,
-        hit: Option<Vec3>,
-    ) -> Option<PlainEnd> {
-        let moved = (pose.origin - Lanes::from(self.from.frame.origin)).abs();
-        if moved.less(Lanes::splat(EPSILON)) & 0b111 == 0b111 {
-            return None;
-        }
-        Some(PlainEnd {
-            origin: pose.origin,
-            plane,
-            cell: self.from.cell,
-            plane_cell: self.from.cell,
-            is_water,
-            hit,
-            stopped: false,
-        })
+/// How far down ground is looked for at first, metres (5.6).
+#[inline(always)]
+fn search_depth(mover: &Mover, two: bool) -> f32 {
+    let radius = mover.spheres[0].radius;
+    let mut h = mover.step_down_height;
+    if !two && 2.0 * radius < h {
+        h = radius / 2.0;
     }
+    if 2.0 * radius >= h { h } else { h / 2.0 }
+}
+
+/// What the sweep comes to, unless it made no progress.
+#[inline(always)]
+pub(crate) fn end_at(
+    from: &Position,
+    cell: CellId,
+    pose: &Candidate,
+    plane: Lanes,
+    is_water: bool,
+    hit: Option<Vec3>,
+) -> Option<PlainEnd> {
+    let moved = (pose.origin - Lanes::from(from.frame.origin)).abs();
+    if moved.less(Lanes::splat(EPSILON)) & 0b111 == 0b111 {
+        return None;
+    }
+    Some(PlainEnd {
+        cell,
+        origin: pose.origin,
+        plane,
+        plane_cell: cell,
+        is_water,
+        hit,
+        stopped: false,
+    })
+}
+
+/// Whether some object besides the mover itself reaches a cell.
+#[inline(always)]
+fn has_objects(
+    world: &World,
+    population: &Population,
+    block: &Landblock,
+    mover: &Mover,
+    cell: CellId,
+) -> bool {
+    (population.has_bodies() && !population.is_alone_in(cell, mover.body))
+        || !world.shadow_lists(block).is_empty_in(cell)
 }

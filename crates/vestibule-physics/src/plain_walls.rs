@@ -15,12 +15,12 @@ use crate::plain_step::{PlainEnd, PlainStep, search_below};
 /// What is known of the surroundings of candidates.
 #[derive(Clone, Copy)]
 pub(crate) struct Known {
-    /// The cell array is that of this candidate.
-    pub(crate) cells_at: Candidate,
+    /// The cell array is that of these spheres of a candidate.
+    pub(crate) cells_at: [Lanes; 2],
     /// How far it may be shifted without changing the array, metres.
     pub(crate) to_cells: f32,
-    /// This candidate touches no object.
-    pub(crate) objects_at: Candidate,
+    /// A candidate with its foot sphere here touches no object.
+    pub(crate) objects_at: Lanes,
     /// How far it may be shifted without coming near one, metres.
     pub(crate) to_objects: f32,
 }
@@ -30,9 +30,9 @@ impl Known {
     #[inline(always)]
     pub(crate) fn cells(at: &Candidate, to_cells: f32) -> Self {
         Known {
-            cells_at: *at,
+            cells_at: at.spheres,
             to_cells,
-            objects_at: *at,
+            objects_at: at.spheres[0],
             to_objects: 0.0,
         }
     }
@@ -46,8 +46,8 @@ impl Known {
         at: &Candidate,
         array: &mut CellArray,
     ) -> bool {
-        if !self.cells_at.is_within(at, self.to_cells) {
-            self.cells_at = *at;
+        if !at.is_within(self.cells_at[0], self.to_cells) {
+            self.cells_at = at.spheres;
             self.to_cells = step.certain_rooms(own, at, array);
             // What is near other cells is not known.
             self.to_objects = 0.0;
@@ -179,7 +179,7 @@ impl AmongWalls<'_, '_> {
     /// Makes sure that the pose touches no object of any cell that it reaches.
     #[inline(always)]
     fn know_objects(&mut self) -> Option<()> {
-        if self.known.objects_at.is_within(&self.pose, self.known.to_objects) {
+        if self.pose.is_within(self.known.objects_at, self.known.to_objects) {
             return Some(());
         }
         let mut least = f32::INFINITY;
@@ -187,7 +187,7 @@ impl AmongWalls<'_, '_> {
             let d = self.step.objects_around(entry.id, &self.pose, false)?;
             least = if d < least { d } else { least };
         }
-        self.known.objects_at = self.pose;
+        self.known.objects_at = self.pose.spheres[0];
         self.known.to_objects = least;
         Some(())
     }

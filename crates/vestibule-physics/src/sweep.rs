@@ -45,6 +45,7 @@ pub struct Carried {
 /// Who is swept: its spheres and what decides how it collides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mover {
+    /// Twice the same where there is only one.
     pub(crate) spheres: [Sphere; 2],
     count: u8,
     /// How high it steps up on walkable ground, metres.
@@ -78,7 +79,7 @@ impl Mover {
             spheres
         };
         let mut mover = Mover {
-            spheres: [Sphere::default(); 2],
+            spheres: [given[0]; 2],
             count: given.len().min(2) as u8,
             step_up_height: STEP_HEIGHT_WITHOUT_SETUP,
             step_down_height: STEP_HEIGHT_WITHOUT_SETUP,
@@ -297,10 +298,7 @@ pub fn sweep(
     }
     let found: Option<Known> = found;
     let built = match &found {
-        Some(known) => {
-            let spheres = known.cells_at.spheres;
-            BuiltArray::certain(from.cell, spheres, known.to_cells, &scratch.cell_array)
-        }
+        Some(known) => BuiltArray::certain(from.cell, known.cells_at, known.to_cells, &scratch.cell_array),
         None => BuiltArray::NONE,
     };
     sweep_any(world, population, scratch, mover, carried, from, to, built)

@@ -23,7 +23,7 @@ impl BoxQuad {
     #[inline(always)]
     pub(crate) fn near(&self, s: Lanes) -> (u32, Lanes) {
         let (p, radius) = (s.xyz(), s.fourth());
-        let distances = Lanes::four_distances(&self.planes, p);
+        let distances = Lanes::four_distances(&self.planes, s);
         let mut bits = !Lanes::splat(radius - EPSILON).less(distances.abs()) & 0b1111;
         for (axis, x) in [p.x, p.y, p.z].into_iter().enumerate() {
             // Leaving early.
@@ -42,7 +42,7 @@ impl BoxQuad {
     #[inline(always)]
     pub(crate) fn clearances(&self, s: Lanes) -> Lanes {
         let (p, radius) = (s.xyz(), s.fourth());
-        let mut clear = Lanes::four_distances(&self.planes, p).abs() - Lanes::splat(radius - EPSILON);
+        let mut clear = Lanes::four_distances(&self.planes, s).abs() - Lanes::splat(radius - EPSILON);
         if clear.less(Lanes::splat(f32::MIN_POSITIVE)) != 0 {
             for (axis, x) in [p.x, p.y, p.z].into_iter().enumerate() {
                 let away = (Lanes::splat(x) - self.center[axis]).abs();

@@ -171,9 +171,10 @@ impl Lanes {
 
     /// Distances of a point from four planes whose coefficients lie side by side, as [`Plane::dist`] of each.
     #[inline(always)]
-    pub fn four_distances(planes: &[Lanes; 4], p: Vec3) -> Lanes {
+    pub fn four_distances(planes: &[Lanes; 4], p: Lanes) -> Lanes {
+        let [px, py, pz, _] = p.0.to_array();
         let [x, y, z, d] = planes;
-        Lanes(x.0 * f32x4::splat(p.x) + y.0 * f32x4::splat(p.y) + z.0 * f32x4::splat(p.z) + d.0)
+        Lanes(x.0 * f32x4::splat(px) + y.0 * f32x4::splat(py) + z.0 * f32x4::splat(pz) + d.0)
     }
 
     /// The coefficients of four planes side by side, for [`Lanes::four_distances`].
@@ -319,6 +320,25 @@ impl LaneBox {
         }
     }
 
+    /// The same box with limits of the fourth lane.
+    pub(crate) fn with_fourth(self, min: f32, max: f32) -> Self {
+        LaneBox {
+            min: self.min.with_fourth(min),
+            max: self.max.with_fourth(max),
+        }
+    }
+
+    /// Whether the centres of two spheres, radii in the fourth lanes, are inside, along z all of them but the outermost
+    /// `skin`, metres. The fourth lanes count.
+    #[inline(always)]
+    pub(crate) fn hold_upright(&self, [a, b]: [Lanes; 2], skin: f32) -> bool {
+        let reach = |s: Lanes| Lanes::from(Vec3::new(0.0, 0.0, s.fourth() - skin)).0;
+        let (ra, rb) = (reach(a), reach(b));
+        let low = (a.0 - ra).simd_gt(self.min.0) & (b.0 - rb).simd_gt(self.min.0);
+        let high = (a.0 + ra).simd_lt(self.max.0) & (b.0 + rb).simd_lt(self.max.0);
+        (low & high).to_bitmask() == 0b1111
+    }
+
     /// How deep a point is inside, metres: the least distance from a face, below zero outside.
     #[inline(always)]
     pub fn depth(&self, p: Lanes) -> f32 {
@@ -356,7 +376,7 @@ mod tests {
         assert_eq!(a.dot(b), A.dot(B));
         let plane = Plane { normal: B, d: 0.7 };
         assert_eq!(Lanes::of_plane(&plane).dist(a), plane.dist(A));
-        let four = Lanes::four_distances(&[B.x, B.y, B.z, 0.7].map(Lanes::splat), A);
+        let four = Lanes::four_distances(&[B.x, B.y, B.z, 0.7].map(Lanes::splat), a);
         assert_eq!(four, Lanes::splat(plane.dist(A)));
         let turned = Lanes::combined(&[b, a, b], a).xyz();
         assert_eq!(turned, A.x * B + A.y * A + A.z * B);

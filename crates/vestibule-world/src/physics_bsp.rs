@@ -106,6 +106,11 @@ impl Face {
         self.met.1 < other.met.0
     }
 
+    /// The box of [`Face::certainly_inside`].
+    pub(crate) fn inside(&self) -> BoundingBox {
+        self.inner.bounds()
+    }
+
     /// Whether a point of the polygon's plane is certainly on the inner side of all edges.
     #[inline(always)]
     pub fn certainly_inside(&self, p: Lanes) -> bool {

@@ -31,7 +31,7 @@ impl PlaneQuads {
 
     /// The least distance of a point from a plane; infinite without planes.
     #[inline(always)]
-    pub(crate) fn least_distance(&self, p: Vec3) -> f32 {
+    pub(crate) fn least_distance(&self, p: Lanes) -> f32 {
         let mut least = Lanes::splat(f32::INFINITY);
         for quad in &self.0 {
             least = Lanes::four_distances(quad, p).lesser(least);
@@ -57,7 +57,7 @@ mod tests {
             f32::INFINITY,
         );
         assert_eq!(quads.quads().len(), 2);
-        assert_eq!(quads.least_distance(Vec3::new(0.5, 8.0, 9.0)), 3.5);
-        assert_eq!(PlaneQuads::default().least_distance(Vec3::ZERO), f32::INFINITY);
+        assert_eq!(quads.least_distance(Vec3::new(0.5, 8.0, 9.0).into()), 3.5);
+        assert_eq!(PlaneQuads::default().least_distance(Lanes::ZERO), f32::INFINITY);
     }
 }

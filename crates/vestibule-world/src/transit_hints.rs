@@ -6,8 +6,9 @@ use glam::Vec3;
 use crate::constants::{CELL_BSP_SPHERE_FUDGE, EPSILON};
 use crate::env_cell::{CellPortal, EnvCell, PortalTarget};
 use crate::frame::Frame;
-use crate::geometry::{BoundingBox, Plane, Sphere};
+use crate::geometry::{BoundingBox, Plane};
 use crate::lanes::{LaneBox, Lanes};
+use crate::level_floor::LevelFloor;
 use crate::physics_bsp::LEAST_CLEAR_RADIUS;
 use crate::plane_quads::PlaneQuads;
 
@@ -29,29 +30,30 @@ pub struct TransitHints {
     planes: PlaneQuads,
     /// They are all of them, and the cell holds points at all.
     is_walled: bool,
-    /// Spheres of up to [`QUIET_RADIUS`] with centres in this box may be shifted by [`QUIET`] and touch this cell
-    /// only; inside out when there is none.
-    quiet: QuietBox,
+    /// See [`TransitHints::are_calm`]; inside out when there is none.
+    calm: CalmBox,
     /// See [`TransitHints::keeps_lengths`].
     keeps_lengths: bool,
     /// See [`TransitHints::only_floor`].
     only_floor: Option<Lanes>,
+    level_floor: LevelFloor,
     /// No polygon of the physics BSP enters this box; inside out when there is none.
     open: OpenSpace,
 }
 
-/// Radius of the spheres that [`TransitHints::quiet`] is for, metres.
-const QUIET_RADIUS: f32 = 0.5;
-/// How far they may be shifted, metres.
-const QUIET: f32 = 0.2;
+/// Larger spheres are not said to be calm, metres.
+const CALM_RADIUS: f32 = 0.5;
+/// What of a sphere may be in a polygon and does not overlap it: an overlap must be deeper than epsilon. A quarter of
+/// it is for bodies at rest, the rest for rounding, metres.
+const SKIN: f32 = 0.25 * EPSILON;
 
 /// A box that is empty unless something else is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct QuietBox(LaneBox);
+struct CalmBox(LaneBox);
 
-impl Default for QuietBox {
+impl Default for CalmBox {
     fn default() -> Self {
-        QuietBox(LaneBox::NOTHING)
+        CalmBox(LaneBox::NOTHING)
     }
 }
 
@@ -81,8 +83,7 @@ impl TransitHints {
     /// BSP, by the tolerance of sphere tests: one that rests on a floor does not.
     #[inline(always)]
     pub fn certainly_clear(&self, center: Lanes, radius: f32) -> bool {
-        // An overlap must be deeper than epsilon. A quarter of it is for bodies at rest, the rest for rounding.
-        radius > LEAST_CLEAR_RADIUS && self.open.bounds.holds_cube(center, radius - 0.25 * EPSILON)
+        radius > LEAST_CLEAR_RADIUS && self.open.bounds.holds_cube(center, radius - SKIN)
     }
 
     /// Whether the cell's rotation keeps lengths, but for a thousandth: stored ones need not.
@@ -98,6 +99,12 @@ impl TransitHints {
         self.only_floor
     }
 
+    /// The cell's only floor, if it is level.
+    #[inline(always)]
+    pub fn level_floor(&self) -> &LevelFloor {
+        &self.level_floor
+    }
+
     /// Whether no centre of a sphere that is certainly clear is in a leaf that is solid and has polygons.
     #[inline(always)]
     pub fn open_is_hollow(&self) -> bool {
@@ -109,45 +116,41 @@ impl TransitHints {
     pub(crate) fn certainly_contains(&self, q: Vec3) -> bool {
         match &self.core {
             Some(core) => core.holds(q.into()),
-            None => self.is_walled && self.planes.least_distance(q) > SLACK + EPSILON,
+            None => self.is_walled && self.planes.least_distance(q.into()) > SLACK + EPSILON,
         }
     }
 
-    /// Whether a sphere in the frame of the cell's landblock is plainly so far from all other cells that it touches
-    /// this one only, its centre inside, also when it is shifted by [`TransitHints::QUIET_SHIFT`].
+    /// Whether two spheres in the frame of the cell's landblock, radii in the fourth lanes, certainly touch no other
+    /// cell and overlap no polygon of this one's physics BSP, their centres inside the cell and in nothing solid.
+    /// Nobody may be kept out of the cell. Never so for spheres larger than 0.5 m.
     #[inline(always)]
-    pub fn is_quiet(&self, center: Lanes, radius: f32) -> bool {
-        radius <= QUIET_RADIUS && self.quiet.0.holds(center)
+    pub fn are_calm(&self, spheres: [Lanes; 2]) -> bool {
+        self.calm.0.hold_upright(spheres, SKIN)
     }
 
-    /// See [`TransitHints::is_quiet`], metres.
-    pub const QUIET_SHIFT: f32 = QUIET * UNIT_TOLERANCE;
-
-    /// How far spheres may be shifted together and certainly stay away from each portal and what it leads to, metres,
-    /// four portals at a time; those there are not are infinitely far. Zero or less: nothing is certain. Nothing
-    /// where the cell has no hints.
+    /// How far two spheres may be shifted together and certainly stay away from each portal and what it leads to,
+    /// metres, four portals at a time; those there are not are infinitely far. Zero or less: nothing is certain.
+    /// Nothing where the cell has no hints.
     #[inline(always)]
-    pub(crate) fn distances_away(&self, spheres: &[Sphere]) -> impl Iterator<Item = Lanes> {
-        self.away_quads.quads().iter().map(move |quad| {
-            let mut least = Lanes::splat(f32::INFINITY);
-            for s in spheres {
-                let reach = Lanes::splat(-(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)));
-                least = (reach - Lanes::four_distances(quad, s.center)).lesser(least);
-            }
-            least
+    pub(crate) fn distances_away(&self, [a, b]: [Lanes; 2]) -> impl Iterator<Item = Lanes> {
+        let reach = |s: Lanes| Lanes::splat(-(s.fourth() + (CELL_BSP_SPHERE_FUDGE + SLACK)));
+        let (reach_a, reach_b) = (reach(a), reach(b));
+        let quads = self.away_quads.quads().iter();
+        quads.map(move |quad| {
+            let to_a = reach_a - Lanes::four_distances(quad, a);
+            let to_b = reach_b - Lanes::four_distances(quad, b);
+            to_a.lesser(to_b)
         })
     }
 
-    /// Whether one of the spheres touches the cell, and how far they may be shifted together without changing it,
+    /// Whether one of two spheres touches the cell, and how far they may be shifted together without changing it,
     /// metres. Zero or less: nothing is certain.
     #[inline(always)]
-    pub(crate) fn distance_to_change(&self, spheres: &[Sphere]) -> (bool, f32) {
-        // How deep each is inside the plane it is least inside of; the deepest counts.
-        let mut deepest = f32::NEG_INFINITY;
-        for s in spheres {
-            let depth = self.planes.least_distance(s.center) + (s.radius + CELL_BSP_SPHERE_FUDGE);
-            deepest = if depth > deepest { depth } else { deepest };
-        }
+    pub(crate) fn distance_to_change(&self, [a, b]: [Lanes; 2]) -> (bool, f32) {
+        // How deep each is inside the plane it is least inside of; the deeper counts.
+        let depth = |s: Lanes| self.planes.least_distance(s) + (s.fourth() + CELL_BSP_SPHERE_FUDGE);
+        let (depth_a, depth_b) = (depth(a), depth(b));
+        let deepest = if depth_b > depth_a { depth_b } else { depth_a };
         if deepest < 0.0 {
             (false, -deepest - SLACK)
         } else if self.is_walled {
@@ -160,9 +163,9 @@ impl TransitHints {
 
     /// How far a point may be shifted and certainly stays inside the cell, metres. Zero or less: nothing is certain.
     #[inline(always)]
-    pub(crate) fn distance_inside(&self, p: Vec3) -> f32 {
+    pub(crate) fn distance_inside(&self, p: Lanes) -> f32 {
         if let Some(core) = &self.core {
-            return core.depth(p.into());
+            return core.depth(p);
         }
         if !self.is_walled {
             return 0.0;
@@ -170,13 +173,19 @@ impl TransitHints {
         self.planes.least_distance(p) - (SLACK + EPSILON)
     }
 
+    /// Whether a point is certainly not inside the cell.
+    #[inline(always)]
+    pub(crate) fn certainly_lacks(&self, p: Lanes) -> bool {
+        self.planes.least_distance(p) < -(SLACK + EPSILON)
+    }
+
     /// How far spheres may be shifted together and certainly stay outside the cell, metres. Zero or less: nothing
     /// is certain.
     #[inline]
-    pub(crate) fn outside_distance(&self, spheres: &[Sphere]) -> f32 {
+    pub(crate) fn outside_distance(&self, spheres: [Lanes; 2]) -> f32 {
         let mut least = f32::INFINITY;
         for s in spheres {
-            let d = -(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)) - self.planes.least_distance(s.center);
+            let d = -(s.fourth() + (CELL_BSP_SPHERE_FUDGE + SLACK)) - self.planes.least_distance(s);
             let d = if d > 0.0 { d } else { 0.0 };
             least = if d < least { d } else { least };
         }
@@ -195,7 +204,7 @@ impl TransitHints {
     /// Whether a sphere certainly does not touch the cell.
     #[inline]
     pub(crate) fn certainly_outside(&self, center: Vec3, radius: f32) -> bool {
-        self.planes.least_distance(center) < -(radius + (CELL_BSP_SPHERE_FUDGE + SLACK))
+        self.planes.least_distance(center.into()) < -(radius + (CELL_BSP_SPHERE_FUDGE + SLACK))
     }
 }
 
@@ -261,7 +270,7 @@ pub(crate) fn refresh_away(cells: &mut [Option<EnvCell>], index: usize) {
         .map(|portal| away_from(cell, portal, cells))
         .collect();
     if let Some(Some(cell)) = cells.get_mut(index) {
-        cell.hints.quiet = quiet_box(cell.hints.core, &away);
+        cell.hints.calm = calm_box(cell, cell.hints.core, &cell.hints.open, &away);
         cell.hints.away_quads = PlaneQuads::new(&away, f32::NEG_INFINITY);
         cell.hints.away = away;
     }
@@ -278,8 +287,9 @@ fn hints_of(cell: &EnvCell, cells: &[Option<EnvCell>]) -> TransitHints {
         .iter()
         .map(|portal| away_from(cell, portal, cells))
         .collect();
+    let open = open_space_of(cell);
     TransitHints {
-        quiet: quiet_box(core, &away),
+        calm: calm_box(cell, core, &open, &away),
         core,
         is_walled: !cell.portals.is_empty() && planes.len() == cell.structure.cell_bsp.planes().len(),
         away_quads: PlaneQuads::new(&away, f32::NEG_INFINITY),
@@ -287,7 +297,8 @@ fn hints_of(cell: &EnvCell, cells: &[Option<EnvCell>]) -> TransitHints {
         planes: PlaneQuads::new(&planes, f32::INFINITY),
         keeps_lengths: (Lanes::of_rotation(cell.frame.rotation()).squared_length() - 1.0).abs() < 2e-4,
         only_floor: only_floor_of(cell),
-        open: open_space_of(cell),
+        level_floor: LevelFloor::of(cell),
+        open,
     }
 }
 
@@ -349,16 +360,42 @@ fn open_space_of(cell: &EnvCell) -> OpenSpace {
     }
 }
 
-/// The part of a cell's core that is far from all it leads to.
-fn quiet_box(core: Option<LaneBox>, away: &[Plane]) -> QuietBox {
-    const REACH: f32 = QUIET_RADIUS + CELL_BSP_SPHERE_FUDGE + SLACK + QUIET;
-    let Some(core) = core.map(|core| core.bounds()) else {
-        return QuietBox::default();
+/// See [`TransitHints::are_calm`]: the part of a cell's core that is far from all it leads to, and in its open space.
+fn calm_box(cell: &EnvCell, core: Option<LaneBox>, open: &OpenSpace, away: &[Plane]) -> CalmBox {
+    if !open.is_hollow || cell.restriction.is_some() {
+        return CalmBox::default();
+    }
+    let Some(mut found) = lonely_box(core, away) else {
+        return CalmBox::default();
     };
-    let mut found = BoundingBox {
-        min: core.min + Vec3::splat(QUIET),
-        max: core.max - Vec3::splat(QUIET),
-    };
+    let open = open.bounds.bounds();
+    for k in 0..2 {
+        found.min[k] = greater(found.min[k], open.min[k] + CALM_RADIUS);
+        found.max[k] = lesser(found.max[k], open.max[k] - CALM_RADIUS);
+    }
+    // Along z all of a sphere is held against the box: no centre comes nearer to the open space's sides.
+    let inset = LEAST_CLEAR_RADIUS - EPSILON;
+    if found.min.z < open.min.z + inset {
+        found.min.z = open.min.z;
+    }
+    if found.max.z > open.max.z - inset {
+        found.max.z = open.max.z;
+    }
+    CalmBox(LaneBox::new(&found).with_fourth(LEAST_CLEAR_RADIUS, CALM_RADIUS.next_up()))
+}
+
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// Where the centres of spheres of up to [`CALM_RADIUS`] are inside a cell and touch nothing that it leads to.
+fn lonely_box(core: Option<LaneBox>, away: &[Plane]) -> Option<BoundingBox> {
+    const REACH: f32 = CALM_RADIUS + CELL_BSP_SPHERE_FUDGE + SLACK;
+    let mut found = core?.bounds();
     for plane in away {
         let n = plane.normal;
         let k = (0..3).fold(0, |k, i| if n[i].abs() > n[k].abs() { i } else { k });
@@ -371,11 +408,7 @@ fn quiet_box(core: Option<LaneBox>, away: &[Plane]) -> QuietBox {
         }
     }
     let is_far = |c: &Vec3| away.iter().all(|plane| plane.dist(*c) <= -REACH);
-    if (found.max - found.min).min_element() > 0.0 && found.corners().iter().all(is_far) {
-        QuietBox(LaneBox::new(&found))
-    } else {
-        QuietBox::default()
-    }
+    ((found.max - found.min).min_element() > 0.0 && found.corners().iter().all(is_far)).then_some(found)
 }
 
 fn global_planes(cell: &EnvCell) -> Box<[Plane]> {
