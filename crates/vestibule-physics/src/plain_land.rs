@@ -9,7 +9,7 @@ use vestibule_world::{
 use crate::candidate::{Candidate, Shape, distance_to_sphere, down};
 use crate::constants::{EPSILON, SHAPE_INTERP_LIMIT};
 use crate::object_info::is_walkable_z;
-use crate::plain_step::{PlainEnd, PlainStep};
+use crate::plain_step::{PlainEnd, PlainStep, end_at};
 
 /// A step on a land cell, if it is a usual one. Land cells are columns and such a step goes straight up and down from the
 /// candidate: which of them it touches stays the same.
@@ -118,12 +118,8 @@ impl PlainStep<'_> {
 
     #[inline(always)]
     fn end_on_land(&self, rest: &Candidate, plane: &Plane, id: CellId, cell: &LandCell) -> Option<PlainEnd> {
-        let end = self.end(rest, Lanes::of_plane(plane), cell.water != Water::Not, None)?;
-        Some(PlainEnd {
-            cell: id,
-            plane_cell: id,
-            ..end
-        })
+        let is_water = cell.water != Water::Not;
+        end_at(self.from, id, rest, Lanes::of_plane(plane), is_water, None)
     }
 
     /// Fills the array with the land cells touched, all of this landblock, and finds the one below the foot.
@@ -132,14 +128,17 @@ impl PlainStep<'_> {
         let id = self.from.cell;
         let own = self.block.land_cell(id)?;
         let spheres = self.candidate.spheres;
-        let [foot, head] = [spheres[0], spheres[self.shape.count() - 1]];
-        if add_land_cells(id, own, foot, head, array) {
+        if add_land_cells(id, own, spheres, array) {
             return Some((id, own));
         }
-        let spheres = spheres.map(Sphere::from);
-        let spheres = spheres.get(..self.shape.count()).unwrap_or(&spheres);
         array.clear();
-        add_all_outside_cells(self.world, id, foot.xyz(), spheres, array);
+        add_all_outside_cells(
+            self.world,
+            id,
+            spheres[0].xyz(),
+            &spheres.map(Sphere::from),
+            array,
+        );
         if !array.contains(id) {
             return None;
         }
@@ -160,11 +159,10 @@ impl PlainStep<'_> {
 
     /// How far a pose may be shifted without touching a room of a building on one of these land cells, metres.
     fn distance_to_rooms(&self, cells: &[CellEntry], pose: &Candidate) -> Option<f32> {
-        let spheres = pose.spheres();
-        let spheres = spheres.get(..self.shape.count()).unwrap_or(&spheres);
         let mut least = f32::INFINITY;
         for entry in cells {
-            let d = distance_to_rooms(self.world, self.block, self.block.land_cell(entry.id)?, spheres);
+            let cell = self.block.land_cell(entry.id)?;
+            let d = distance_to_rooms(self.world, self.block, cell, pose.spheres);
             least = if d < least { d } else { least };
         }
         (least > 0.0).then_some(least)

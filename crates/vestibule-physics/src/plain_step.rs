@@ -484,18 +484,6 @@ impl PlainStep<'_> {
     pub(crate) fn search_depth(&self) -> f32 {
         search_depth(self.mover, self.shape.two)
     }
-
-    /// See [`end_at`].
-    #[inline(always)]
-    pub(crate) fn end(
-        &self,
-        pose: &Candidate,
-        plane: Lanes,
-        is_water: bool,
-        hit: Option<Vec3>,
-    ) -> Option<PlainEnd> {
-        end_at(self.from, self.from.cell, pose, plane, is_water, hit)
-    }
 }
 
 /// How far down ground is looked for at first, metres (5.6).
@@ -511,7 +499,7 @@ fn search_depth(mover: &Mover, two: bool) -> f32 {
 
 /// What the sweep comes to, unless it made no progress.
 #[inline(always)]
-fn end_at(
+pub(crate) fn end_at(
     from: &Position,
     cell: CellId,
     pose: &Candidate,

@@ -2,16 +2,12 @@
 //! sweep (`world.md` 10.1, 11, 13). Answers are those of [`crate::find_cell_list`] or none at all.
 
 use crate::cell_array::CellArray;
-use glam::Vec3;
-
-use crate::constants::{BLOCK_SIDE_CELLS, SQUARE_LENGTH};
+use crate::certain_land_cells::certain_land_cells;
 use crate::env_cell::{CellPortal, EnvCell, PortalTarget};
 use crate::geometry::Sphere;
 use crate::ids::CellId;
 use crate::landblock::Landblock;
 use crate::lanes::Lanes;
-use crate::terrain::{LAND_SLACK, LandCell};
-use crate::transit::add_all_outside_cells;
 use crate::transit_hints::UNIT_TOLERANCE;
 use crate::world::World;
 
@@ -23,14 +19,14 @@ pub fn certain_cells(world: &World, seed: CellId, spheres: &[Sphere], array: &mu
     let Some(block) = world.block(seed.block()).filter(|_| !world.settings().exact) else {
         return 0.0;
     };
+    let Some(foot) = spheres.first() else { return 0.0 };
+    let pair = [*foot, *spheres.get(1).unwrap_or(foot)].map(Lanes::from);
     if seed.is_indoor() {
-        let Some(foot) = spheres.first() else { return 0.0 };
-        let pair = [*foot, *spheres.get(1).unwrap_or(foot)].map(Lanes::from);
         block
             .env_cell(seed)
             .map_or(0.0, |cell| certain_rooms(block, cell, pair, array))
     } else {
-        certain_land_cells(world, block, seed, spheres, array)
+        certain_land_cells(world, block, seed, pair, array)
     }
 }
 
@@ -179,128 +175,4 @@ fn look_behind(
         return Some(distance);
     }
     Some(if distance > limit { distance } else { limit })
-}
-
-/// As [`certain_cells`] on land: land cells of the same landblock only.
-#[inline]
-fn certain_land_cells(
-    world: &World,
-    block: &Landblock,
-    seed: CellId,
-    spheres: &[Sphere],
-    array: &mut CellArray,
-) -> f32 {
-    array.clear();
-    let borders = to_borders(seed, spheres);
-    let mut least = borders.distance;
-    if !(least > 0.0) {
-        return 0.0;
-    }
-    array.start(seed, true);
-    if borders.crossed {
-        let Some(foot) = spheres.first() else { return 0.0 };
-        add_all_outside_cells(world, seed, foot.center, spheres, array);
-    }
-    array.added_outside = true;
-    for entry in array.entries() {
-        let d = match block.land_cell(entry.id) {
-            Some(cell) if entry.id.block() == block.id => distance_to_rooms(world, block, cell, spheres),
-            _ => 0.0,
-        };
-        least = if d < least { d } else { least };
-    }
-    if least > 0.0 {
-        return least;
-    }
-    array.clear();
-    0.0
-}
-
-/// Fills `array` with the land cells under the spheres of a mover, as [`add_all_outside_cells`] does, if the foot's centre
-/// is certainly inside the land cell `seed` and what else they touch is plain; says whether it did. Radii are in the
-/// fourth lanes; a mover with one sphere gives it twice.
-#[inline(always)]
-pub fn add_land_cells(
-    seed: CellId,
-    cell: &LandCell,
-    foot: Lanes,
-    head: Lanes,
-    array: &mut CellArray,
-) -> bool {
-    let (Some([dx, dy]), of_head) = (cell.sides_crossed(foot), cell.sides_crossed(head)) else {
-        return false;
-    };
-    let index = i32::from(seed.low()) - 1;
-    let (x, y) = (index >> 3, index & 7);
-    let inside = |v: i32| (0..BLOCK_SIDE_CELLS).contains(&v);
-    // A head that reaches elsewhere comes second in the array: seldom.
-    if of_head != Some([dx, dy]) || !inside(x + dx) || !inside(y + dy) {
-        return false;
-    }
-    array.start(seed, true);
-    let mut add = |x: i32, y: i32| array.add(CellId::new(seed.block(), (8 * x + y + 1) as u16), true);
-    if dx != 0 {
-        add(x + dx, y);
-        if dy != 0 {
-            add(x + dx, y + dy);
-        }
-    }
-    if dy != 0 {
-        add(x, y + dy);
-    }
-    true
-}
-
-/// What spheres are to the borders of the land cell that holds their centres.
-struct Borders {
-    /// How far they may be shifted without crossing another border, or one less, metres.
-    distance: f32,
-    /// They reach over some.
-    crossed: bool,
-}
-
-/// The coordinates of a point from its land cell's south-west corner, metres.
-#[inline(always)]
-fn in_land_cell(seed: CellId, p: Vec3) -> (f32, f32) {
-    let low = seed.low() - 1;
-    (
-        p.x - f32::from(low >> 3) * SQUARE_LENGTH,
-        p.y - f32::from(low & 7) * SQUARE_LENGTH,
-    )
-}
-
-#[inline(always)]
-fn to_borders(seed: CellId, spheres: &[Sphere]) -> Borders {
-    let mut found = Borders {
-        distance: f32::INFINITY,
-        crossed: false,
-    };
-    for s in spheres {
-        let (u, v) = in_land_cell(seed, s.center);
-        let borders = Lanes::new(Vec3::new(u, v, SQUARE_LENGTH - u), SQUARE_LENGTH - v);
-        let rims = borders - Lanes::splat(s.radius);
-        // The centre stays inside; the rim stays on its side.
-        let limits = rims.abs().lesser(borders);
-        found.crossed |= rims.less(Lanes::ZERO) != 0;
-        let d = limits.least() - LAND_SLACK;
-        found.distance = if d < found.distance { d } else { found.distance };
-    }
-    found
-}
-
-/// How far spheres may be shifted and stay out of what is behind the portals of a land cell's building, metres.
-/// Zero: one may be touched.
-#[inline(always)]
-pub fn distance_to_rooms(world: &World, block: &Landblock, cell: &LandCell, spheres: &[Sphere]) -> f32 {
-    let mut least = f32::INFINITY;
-    if let Some(building) = cell.building.and_then(|i| block.buildings.get(usize::from(i))) {
-        for portal in &building.portals {
-            let Some(behind) = world.env_cell(portal.other) else {
-                continue;
-            };
-            let d = behind.hints.outside_distance(spheres);
-            least = if d < least { d } else { least };
-        }
-    }
-    least
 }

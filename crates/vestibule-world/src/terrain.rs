@@ -130,7 +130,7 @@ pub struct LandCell {
 }
 
 /// Many times the rounding of coordinates inside a landblock, metres.
-pub(crate) const LAND_SLACK: f32 = 0.01;
+const LAND_SLACK: f32 = 0.01;
 
 impl LandCell {
     /// Whether seen from above all of these spheres are certainly inside the cell and touch no other; radii are in the
@@ -161,6 +161,16 @@ impl LandCell {
                 .unwrap_or(0)
         };
         Some([side(1), side(2)])
+    }
+
+    /// How far a sphere may be shifted so that its centre stays inside the cell and its rim on its side of each border,
+    /// seen from above, metres. Zero or less: nothing is certain. The radius is in the fourth lane.
+    pub(crate) fn distance_to_change(&self, s: Lanes) -> f32 {
+        let inside = Lanes::splat(SQUARE_LENGTH / 2.0) - (s - self.middle).abs();
+        let rim = inside - Lanes::splat(s.fourth());
+        let limits = rim.abs().lesser(inside);
+        let [x, y] = [limits.lane(0), limits.lane(1)];
+        (if x < y { x } else { y }) - LAND_SLACK
     }
 
     /// As [`LandCell::find_terrain_poly`] of a point that the cell certainly holds: only the diagonal is asked.

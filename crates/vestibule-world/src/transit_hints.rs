@@ -6,7 +6,7 @@ use glam::Vec3;
 use crate::constants::{CELL_BSP_SPHERE_FUDGE, EPSILON};
 use crate::env_cell::{CellPortal, EnvCell, PortalTarget};
 use crate::frame::Frame;
-use crate::geometry::{BoundingBox, Plane, Sphere};
+use crate::geometry::{BoundingBox, Plane};
 use crate::lanes::{LaneBox, Lanes};
 use crate::level_floor::LevelFloor;
 use crate::physics_bsp::LEAST_CLEAR_RADIUS;
@@ -182,11 +182,10 @@ impl TransitHints {
     /// How far spheres may be shifted together and certainly stay outside the cell, metres. Zero or less: nothing
     /// is certain.
     #[inline]
-    pub(crate) fn outside_distance(&self, spheres: &[Sphere]) -> f32 {
+    pub(crate) fn outside_distance(&self, spheres: [Lanes; 2]) -> f32 {
         let mut least = f32::INFINITY;
         for s in spheres {
-            let d =
-                -(s.radius + (CELL_BSP_SPHERE_FUDGE + SLACK)) - self.planes.least_distance(s.center.into());
+            let d = -(s.fourth() + (CELL_BSP_SPHERE_FUDGE + SLACK)) - self.planes.least_distance(s);
             let d = if d > 0.0 { d } else { 0.0 };
             least = if d < least { d } else { least };
         }

@@ -111,9 +111,8 @@ proptest! {
         let [x, y] = if turned { foot.map(|v| 24.0 - v) } else { foot };
         let foot = Vec3::new(24.0 * f32::from(cx) + x, 24.0 * f32::from(cy) + y, 0.0);
         let spheres = radii.map(|r| Sphere::new(foot, r));
-        let [a, b] = spheres.map(Lanes::from);
         let (mut quick, mut exact) = (CellArray::new(), CellArray::new());
-        if add_land_cells(seed, world.land_cell(seed).unwrap(), a, b, &mut quick) {
+        if add_land_cells(seed, world.land_cell(seed).unwrap(), spheres.map(Lanes::from), &mut quick) {
             add_all_outside_cells(&world, seed, foot, &spheres, &mut exact);
             prop_assert_eq!(quick.entries(), exact.entries());
         } else {
