@@ -63,7 +63,7 @@ impl<'w> Transition<'w, '_> {
     /// The objects that reach a cell, in the order they entered it (7.7).
     #[inline(always)]
     pub(crate) fn find_obj_collisions(&mut self, cell: CellId, block: &'w Landblock) -> TransitionState {
-        if self.has_no_objects_near(cell, block, self.path.global_sphere[0].center) {
+        if self.has_no_objects_near(cell, block, self.path.center(0)) {
             return TransitionState::Ok;
         }
         self.find_any_obj_collisions(cell, block)
@@ -83,7 +83,7 @@ impl<'w> Transition<'w, '_> {
 
     /// As [`Transition::has_no_objects_near`] at the candidate itself, looking closer.
     pub(crate) fn has_statics_afar(&mut self, cell: CellId, block: &'w Landblock) -> bool {
-        let center = self.path.global_sphere[0].center;
+        let center = self.path.center(0);
         if self.has_no_objects_near(cell, block, center) {
             return true;
         }
@@ -133,7 +133,7 @@ impl<'w> Transition<'w, '_> {
 
     /// The static objects of a cell.
     fn find_static_collisions(&mut self, cell: CellId, block: &'w Landblock) -> TransitionState {
-        let center = self.path.global_sphere[0].center;
+        let center = self.path.center(0);
         // Shifts of the candidate are measured in the frame of one landblock.
         let mut least = f32::INFINITY;
         for (r, reach) in self.world.shadow_lists(block).with_reaches(cell) {
@@ -170,7 +170,7 @@ impl<'w> Transition<'w, '_> {
         if cell.block() != path.check_pos.cell.block() {
             center += self.blk(path.check_pos.cell, cell);
         }
-        let [foot, head] = &path.global_sphere;
+        let [foot, head] = path.spheres();
         let larger = if head.radius > foot.radius {
             head.radius
         } else {
@@ -301,8 +301,8 @@ impl<'w> Transition<'w, '_> {
             return TransitionState::Ok;
         };
         self.path.cache_localspace_sphere(space);
-        let reached = spheres_overlap(bound, &self.path.localspace_foot)
-            || (self.path.num_sphere > 1 && spheres_overlap(bound, &self.path.localspace_head()));
+        let reached = spheres_overlap(bound, &self.path.localspace_foot.into())
+            || (self.path.num_sphere > 1 && spheres_overlap(bound, &self.path.localspace_head().into()));
         if !reached {
             return TransitionState::Ok;
         }

@@ -1,7 +1,7 @@
 //! Stepping up, stepping down and asking for ground (`transition.md` 5.7 to 5.9).
 
 use glam::Vec3;
-use vestibule_world::{EnvCell, Sphere};
+use vestibule_world::EnvCell;
 
 use crate::candidate::down;
 use crate::constants::{
@@ -140,7 +140,7 @@ impl Transition<'_, '_> {
         let at = lowered.spheres[0].xyz();
         let others = self.other_rooms();
         if !lowered.rests_in(&shape, cell)
-            || !self.built.holds(cell.id, at)
+            || !self.built.holds(cell.id, lowered.spheres[0])
             || !lowered.rests_beside(&shape, block, others)
             || !self.has_no_objects_near(cell.id, block, at)
             || !others
@@ -152,7 +152,7 @@ impl Transition<'_, '_> {
         self.path.neg_poly_hit = None;
         self.path.step_down_amt = h;
         self.path.add_offset_to_check_pos(Vec3::new(0.0, 0.0, -h));
-        self.path.add_offset_to_check_pos(floor.offset.xyz());
+        self.path.shift(floor.offset);
         self.path.walk_interp = floor.walk_interp;
         self.path.obstruction_ethereal = false;
         self.info.set_contact(floor.plane.plane(), false, cell.id);
@@ -167,17 +167,20 @@ impl Transition<'_, '_> {
             return false;
         };
         let path = &self.path;
-        let clear = |s: &Sphere| cell.hints.certainly_clear(s.center.into(), s.radius);
+        let clear = |i: usize| {
+            let s = path.global_sphere[i];
+            cell.hints.certainly_clear(s, s.fourth())
+        };
         self.info.contact.valid
             && self.keeps_shape
             && !path.collide
             && cell.id == path.check_pos.cell
             && cell.restriction.is_none()
             && cell.hints.open_is_hollow()
-            && clear(&path.global_sphere[0])
-            && (path.num_sphere < 2 || clear(&path.global_sphere[1]))
+            && clear(0)
+            && (path.num_sphere < 2 || clear(1))
             && self.is_calm()
-            && self.has_no_objects_near(cell.id, block, path.global_sphere[0].center)
+            && self.has_no_objects_near(cell.id, block, path.center(0))
     }
 
     /// Whether there is still ground under the candidate (5.9).
@@ -190,7 +193,7 @@ impl Transition<'_, '_> {
         self.path.walkable_allowance = z;
         self.path.check_walkable = true;
         let mut h = self.object.step_down_height;
-        let r = self.path.global_sphere[0].radius;
+        let r = self.path.foot_radius();
         if self.path.num_sphere < 2 && h > 2.0 * r {
             h = r / 2.0;
         }

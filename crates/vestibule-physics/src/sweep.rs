@@ -491,9 +491,9 @@ impl Transition<'_, '_> {
         let (path, info) = (&self.path, &self.info);
         let pose = path.curr_pos;
         let mut frame = *end;
-        frame.origin = pose.origin;
+        frame.origin = pose.origin();
         if path.curr_rotation != end.rotation() {
-            frame = Frame::new(pose.origin, path.curr_rotation);
+            frame = Frame::new(pose.origin(), path.curr_rotation);
         }
         let position = Position {
             cell: pose.cell,

@@ -90,8 +90,8 @@ impl BuiltArray {
 
     /// Whether the array is certainly right for a candidate in the cell `seed` whose foot sphere is at `foot`.
     #[inline(always)]
-    pub(crate) fn holds(&self, seed: CellId, foot: Vec3) -> bool {
-        let shift = Lanes::from(foot) - self.centers[0];
+    pub(crate) fn holds(&self, seed: CellId, foot: Lanes) -> bool {
+        let shift = foot - self.centers[0];
         self.seed == seed && shift.dot(shift) < self.reach
     }
 }
@@ -178,7 +178,7 @@ impl<'w> Transition<'w, '_> {
     #[inline(always)]
     pub(crate) fn is_array_certain(&self) -> bool {
         self.built
-            .holds(self.path.check_pos.cell, self.path.global_sphere[0].center)
+            .holds(self.path.check_pos.cell, self.path.global_sphere[0])
     }
 
     /// Whether the candidate certainly touches its own cell only.
@@ -208,8 +208,9 @@ impl<'w> Transition<'w, '_> {
     fn build_any_cell_array(&mut self, want_cell: bool) {
         let path = &self.path;
         let seed = path.check_pos.cell;
-        let spheres = &path.global_sphere[..path.num_sphere];
-        let centers = path.global_sphere.map(Lanes::from);
+        let all = path.spheres();
+        let spheres = all.get(..path.num_sphere).unwrap_or(&all);
+        let centers = path.global_sphere;
         let built = &self.built;
         let same = built.seed == seed && built.centers == centers && (built.want_cell || !want_cell);
         if same && !self.world.settings().exact {
@@ -225,7 +226,7 @@ impl<'w> Transition<'w, '_> {
         let found = find_cell_list(
             self.world,
             seed,
-            path.check_pos.origin,
+            path.check_pos.origin(),
             spheres,
             self.cell_array,
             want_cell,

@@ -187,8 +187,13 @@ impl<'w> Transition<'w, '_> {
         // The candidate leaves the known world; an interior id passes as it is.
         let mut pos = self.path.check_pos;
         if !pos.cell.is_indoor() {
-            match pos.cell.adjust_to_outside(pos.origin) {
-                Some((cell, origin)) => pos = Pose { cell, origin },
+            match pos.cell.adjust_to_outside(pos.origin()) {
+                Some((cell, origin)) => {
+                    pos = Pose {
+                        cell,
+                        origin: origin.into(),
+                    }
+                }
                 None => return TransitionState::Collided,
             }
         }
@@ -233,7 +238,7 @@ impl<'w> Transition<'w, '_> {
         };
         self.path.walkable_allowance = z;
         self.path.save_check_pos();
-        let r = self.path.global_sphere[0].radius;
+        let r = self.path.foot_radius();
         if self.path.num_sphere < 2 && 2.0 * r < h {
             h = r / 2.0;
         }
