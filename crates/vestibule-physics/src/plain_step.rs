@@ -30,11 +30,8 @@ use crate::sweep::{Carried, ContactPlane, Mover, Scratch, Swept};
 
 /// A floor found below a candidate.
 pub(crate) struct OpenFloor {
-    /// What takes the lowered candidate back up.
-    pub(crate) offset: Lanes,
     /// The floor's plane in the frame of the cell's landblock.
     pub(crate) plane: Lanes,
-    pub(crate) walk_interp: f32,
 }
 
 /// The floor of a cell that the foot sphere is lifted onto in a step down by `h`, level enough by `z` (6.11.1).
@@ -84,11 +81,7 @@ pub(crate) fn find_open_floor(
     }
     let offset = frame.turned_out(floor.sphere - local);
     lowered.shift(offset);
-    Some(OpenFloor {
-        offset,
-        plane,
-        walk_interp: floor.walk_interp,
-    })
+    Some(OpenFloor { plane })
 }
 
 /// Where a usual step ends: in the cell it began in, on walkable ground.

@@ -8,6 +8,7 @@ use crate::collision_info::CollisionInfo;
 use crate::constants::{EPSILON, MOVE_ATTEMPTS};
 use crate::flags::ObjectState;
 use crate::math::{interpolate_rotation, length};
+use crate::near_statics::NearStatics;
 use crate::object_info::ObjectInfo;
 use crate::population::Population;
 use crate::settings::Settings;
@@ -96,15 +97,6 @@ impl BuiltArray {
     }
 }
 
-/// Where the mover is certainly out of reach of a cell's static objects.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct StaticsCalm {
-    pub(crate) cell: CellId,
-    pub(crate) center: Vec3,
-    /// How far the foot sphere may have been shifted, squared.
-    pub(crate) reach: f32,
-}
-
 /// A sweep in progress. It reads the world and the population and writes only what it owns.
 pub(crate) struct Transition<'w, 's> {
     pub(crate) world: &'w World,
@@ -116,7 +108,8 @@ pub(crate) struct Transition<'w, 's> {
     /// Shared by all nested insertions; the cell found is not (5.3).
     pub(crate) cell_array: &'s mut CellArray,
     pub(crate) built: BuiltArray,
-    pub(crate) statics_calm: StaticsCalm,
+    /// In the own cell and in another.
+    pub(crate) near_statics: [NearStatics<'w>; 2],
     /// The mover does not turn during the sweep.
     pub(crate) keeps_shape: bool,
     pub(crate) touched: &'s mut Vec<Touch>,
