@@ -36,7 +36,7 @@ pub struct ShadowLists {
 
 /// Four [`StaticReach`]es of one cell side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct ReachQuad {
+pub struct ReachQuad {
     center: [Lanes; 3],
     radius: Lanes,
     stretch: Lanes,
@@ -67,6 +67,17 @@ impl ReachQuad {
             d.times(d)
         };
         square(0, p.x) + square(1, p.y) + square(2, p.z)
+    }
+
+    /// How far spheres of which `larger` is the largest radius may be shifted before one comes near each of the four
+    /// objects, metres; infinite where there are fewer. `head` is the second centre, if there is one.
+    #[inline(always)]
+    pub fn distances(&self, foot: Vec3, head: Option<Vec3>, larger: f32) -> Lanes {
+        let mut squares = self.squares(foot);
+        if let Some(head) = head {
+            squares = self.squares(head).lesser(squares);
+        }
+        squares.sqrt() - (self.radius + self.stretch * larger)
     }
 }
 
@@ -122,16 +133,16 @@ impl ShadowLists {
     #[inline(always)]
     pub fn distance(&self, cell: CellId, foot: Vec3, head: Option<Vec3>, larger: f32) -> f32 {
         let mut least = Lanes::splat(f32::INFINITY);
-        let range = range_of(&self.quad_starts, cell);
-        for quad in self.quads.get(range).unwrap_or(&[]) {
-            let mut squares = quad.squares(foot);
-            if let Some(head) = head {
-                squares = quad.squares(head).lesser(squares);
-            }
-            let limits = quad.radius + quad.stretch * larger;
-            least = (squares.sqrt() - limits).lesser(least);
+        for quad in self.quads(cell) {
+            least = quad.distances(foot, head, larger).lesser(least);
         }
         least.least()
+    }
+
+    /// How far the objects of [`ShadowLists::of`] reach, four at a time.
+    #[inline]
+    pub fn quads(&self, cell: CellId) -> &[ReachQuad] {
+        self.quads.get(range_of(&self.quad_starts, cell)).unwrap_or(&[])
     }
 
     /// Whether no static object reaches a cell.
