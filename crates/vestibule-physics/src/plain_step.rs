@@ -410,8 +410,7 @@ impl PlainStep<'_> {
         let mut lowered = *pose;
         lowered.shift(down(h));
         let supported = self.mover.state.has(ObjectState::EDGE_SLIDE);
-        let mut floor =
-            find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported);
+        let mut floor = find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported);
         if floor.is_none()
             || !(lowered.is_within(known.objects_at, known.to_objects)
                 || self.objects_around(cell.id, &lowered, true).is_some())
