@@ -464,16 +464,44 @@ pub(crate) fn clearance(bsp: &PhysicsBsp, s: Lanes) -> f32 {
         return 0.0;
     }
     match bsp.clearance(s) {
-        Some(d) if bsp.is_certainly_hollow_around(s, REACH) => {
-            if d < REACH {
-                d
-            } else {
-                REACH
-            }
+        Some(d) if bsp.is_certainly_hollow_around(s, REACH) || is_hollow_around(bsp, s, REACH) => {
+            if d < REACH { d } else { REACH }
         }
         Some(_) => 0.0,
         None if finds_solid(bsp, s, false) => -1.0,
         None => 0.0,
+    }
+}
+
+/// Whether the centre, shifted by up to `reach`, is in no leaf that is solid and has polygons; `false` where that is not
+/// told by one way through the tree.
+fn is_hollow_around(bsp: &PhysicsBsp, s: Lanes, reach: f32) -> bool {
+    let mut at = bsp.root;
+    loop {
+        match at.kind() {
+            ChildKind::Absent => return true,
+            ChildKind::Leaf(index) => {
+                return !bsp.leaves().get(index).is_some_and(|l| l.count != 0 && l.solid);
+            }
+            ChildKind::Node(index) => {
+                let Some(node) = bsp.nodes().get(index) else {
+                    return true;
+                };
+                // Planes may be a little longer than unit vectors.
+                let dist = Lanes::of_plane(&node.plane).dist(s);
+                let n = node.plane.normal;
+                let limit = reach * 1.01;
+                at = if n.dot(n) > 1.01 {
+                    return false;
+                } else if dist > limit {
+                    node.positive
+                } else if dist < -limit {
+                    node.negative
+                } else {
+                    return false;
+                };
+            }
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //! (`transition.md` 8.2).
 
 use glam::Vec3;
-use vestibule_world::{CellId, CylSphere, Lanes, ShadowLists, Sphere, StaticObject, World};
+use vestibule_world::{CellId, CylSphere, Lanes, ReachQuad, ShadowLists, Sphere, StaticObject};
 
 use crate::candidate::{Candidate, Shape};
 use crate::cylsphere::overlaps_cylinder;
@@ -27,41 +27,54 @@ impl PlainStep<'_> {
         if lists.is_empty_in(cell) {
             return Some(f32::INFINITY);
         }
-        let (shape, pose) = (self.shape, *pose);
-        statics_around(self.world, lists, cell, &shape, &pose, placing)
+        let (spheres, larger) = (pose.spheres, self.shape.larger_radius());
+        let distance = distance_to_statics(lists.quads(cell), spheres, larger);
+        if distance > 0.0 {
+            return Some(distance);
+        }
+        self.look_at_statics(lists, cell, *pose, placing)
+    }
+
+    /// As [`PlainStep::objects_around`] where some static object may be in reach: looking at it closely.
+    #[inline(never)]
+    fn look_at_statics(
+        &self,
+        lists: &ShadowLists,
+        cell: CellId,
+        pose: Candidate,
+        placing: bool,
+    ) -> Option<f32> {
+        let mut least = Lanes::splat(f32::INFINITY);
+        for (refs, quad) in lists.of(cell).chunks(4).zip(lists.quads(cell)) {
+            let mut distances = quad.distances(pose.spheres, self.shape.larger_radius());
+            let mut near = !Lanes::ZERO.less(distances) & 0b1111;
+            while near != 0 {
+                let k = near.trailing_zeros() as usize;
+                near &= near - 1;
+                let object = refs.get(k).and_then(|&r| self.world.static_object(r));
+                let distance = match object {
+                    Some(object) if object.cell.block() == cell.block() => {
+                        distance_to_object(object, &self.shape, &pose, placing)?
+                    }
+                    Some(_) => return None,
+                    None => f32::INFINITY,
+                };
+                distances.set_lane(k, distance);
+            }
+            least = distances.lesser(least);
+        }
+        Some(least.least())
     }
 }
 
-/// See [`PlainStep::objects_around`].
+/// How far spheres may be shifted before one comes near a static object, metres.
 #[inline(never)]
-fn statics_around(
-    world: &World,
-    lists: &ShadowLists,
-    cell: CellId,
-    shape: &Shape,
-    pose: &Candidate,
-    placing: bool,
-) -> Option<f32> {
+fn distance_to_statics(quads: &[ReachQuad], spheres: [Lanes; 2], larger: f32) -> f32 {
     let mut least = Lanes::splat(f32::INFINITY);
-    for (refs, quad) in lists.of(cell).chunks(4).zip(lists.quads(cell)) {
-        let mut distances = quad.distances(pose.spheres, shape.larger_radius());
-        let mut near = !Lanes::ZERO.less(distances) & 0b1111;
-        while near != 0 {
-            let k = near.trailing_zeros() as usize;
-            near &= near - 1;
-            let object = refs.get(k).and_then(|&r| world.static_object(r));
-            let distance = match object {
-                Some(object) if object.cell.block() == cell.block() => {
-                    distance_to_object(object, shape, pose, placing)?
-                }
-                Some(_) => return None,
-                None => f32::INFINITY,
-            };
-            distances.set_lane(k, distance);
-        }
-        least = distances.lesser(least);
+    for quad in quads {
+        least = quad.distances(spheres, larger).lesser(least);
     }
-    Some(least.least())
+    least.least()
 }
 
 /// As [`clears_object`]; how far the pose may be shifted and still does, metres, as far as that is known.
