@@ -127,6 +127,18 @@ pub(crate) struct StepPlan {
     pub(crate) end_rotation: Quat,
 }
 
+impl StepPlan {
+    /// A move in one step.
+    pub(crate) fn whole(offset: Vec3, end_rotation: Quat) -> Self {
+        StepPlan {
+            offset,
+            last_offset: None,
+            steps: 1,
+            end_rotation,
+        }
+    }
+}
+
 /// Divides the move `d` of a mover with foot radius `r` into steps (3.4).
 pub(crate) fn calc_num_steps(d: Vec3, r: f32, viewer: bool, end_rotation: Quat) -> StepPlan {
     let r = if r <= EPSILON { EPSILON } else { r };
@@ -253,16 +265,17 @@ impl<'w> Transition<'w, '_> {
         let viewer = self.object.is(ObjectState::IS_VIEWER);
         let free_rotate = self.object.is(ObjectState::FREE_ROTATE);
         let (begin, end) = (self.path.curr_rotation, plan.end_rotation);
+        let turns = !Lanes::of_rotation(begin).all_equal(Lanes::of_rotation(end));
         if free_rotate || plan.steps == 0 {
             self.path.set_curr_rotation(end);
+            self.path.set_check_to_curr();
         }
-        self.path.set_check_to_curr();
         if plan.steps == 0 {
             self.build_cell_array(false);
             return true;
         }
         // A mover that turns on the way does not keep its spheres where they were to each other.
-        self.keeps_shape = free_rotate || begin == end;
+        self.keeps_shape = free_rotate || !turns;
         let mut ts = TransitionState::Ok;
         for i in 0..plan.steps {
             let offset = match plan.last_offset {
@@ -273,7 +286,7 @@ impl<'w> Transition<'w, '_> {
             if !viewer && EPSILON * EPSILON > offset.dot(offset) {
                 return i != 0 && ts == TransitionState::Ok;
             }
-            if !free_rotate && begin != end {
+            if !free_rotate && turns {
                 let t = (i + 1) as f32 / plan.steps as f32;
                 self.path.set_check_rotation(interpolate_rotation(begin, end, t));
             }
