@@ -51,7 +51,7 @@ pub(crate) struct BuiltArray {
     want_cell: bool,
     containing: Option<CellId>,
     hits_interior: bool,
-    /// The seed that nothing was certain around the last time: then nothing is a little farther on.
+    /// The seed that nothing was certain around at `centers`: then nothing is a little farther on.
     failed_in: CellId,
 }
 
@@ -74,6 +74,7 @@ impl BuiltArray {
         if !(distance > 0.0) {
             return BuiltArray {
                 failed_in: seed,
+                centers,
                 ..BuiltArray::NONE
             };
         }
@@ -87,6 +88,15 @@ impl BuiltArray {
             hits_interior: seed.is_indoor(),
             failed_in: CellId::NONE,
         }
+    }
+
+    /// Whether nothing is likely to be certain around a candidate in the cell `seed` whose foot sphere is at `foot`.
+    #[inline(always)]
+    fn is_likely_to_fail(&self, seed: CellId, foot: Lanes) -> bool {
+        /// Of shifts, squared: longer ones are those of steps up and down, metres.
+        const FAR: f32 = 0.3 * 0.3;
+        let shift = foot - self.centers[0];
+        self.failed_in == seed && shift.dot(shift) < FAR
     }
 
     /// Whether the array is certainly right for a candidate in the cell `seed` whose foot sphere is at `foot`.
@@ -221,7 +231,7 @@ impl<'w> Transition<'w, '_> {
         if same && !self.world.settings().exact {
             return;
         }
-        if self.keeps_shape && built.failed_in != seed {
+        if self.keeps_shape && !built.is_likely_to_fail(seed, centers[0]) {
             let distance = certain_cells(self.world, seed, spheres, self.cell_array);
             self.built = BuiltArray::certain(seed, centers, distance, self.cell_array);
             if distance > 0.0 {
