@@ -375,7 +375,25 @@ fn walkable_below<'b>(bsp: &'b PhysicsBsp, mut at: Child, search: &mut WalkableS
 
 /// Whether some polygon level enough to stand on supports the sphere (6.6.3).
 pub(crate) fn hits_walkable(bsp: &PhysicsBsp, s: &Sphere, up: Vec3, walkable_allowance: f32) -> bool {
-    walkable_hit(bsp, bsp.root, s, up, walkable_allowance)
+    let sphere = Lanes::from(*s);
+    let mut hit = false;
+    let only_up = looks_up_only(up.into(), walkable_allowance);
+    let sure = bsp.any_face_near(sphere, only_up, |face, distance| {
+        if !(up.dot(face.plane.normal) > walkable_allowance) {
+            return false;
+        }
+        let overlap = polygon::overlap_at(face, bsp.edge_quads(face), sphere, distance);
+        if overlap == Overlap::None || !polygon::check_small_walkable(face, bsp.edges(face), s, up) {
+            return false;
+        }
+        hit = true;
+        is_sure(bsp, face, overlap, sphere)
+    });
+    match sure {
+        Some(true) => true,
+        Some(false) if !hit => false,
+        _ => walkable_hit(bsp, bsp.root, s, up, walkable_allowance),
+    }
 }
 
 fn walkable_hit(bsp: &PhysicsBsp, mut at: Child, s: &Sphere, up: Vec3, allowance: f32) -> bool {

@@ -297,8 +297,7 @@ impl<'w> Transition<'w, '_> {
                 return i != 0 && ts == TransitionState::Ok;
             }
             if !free_rotate && turns {
-                let t = (i + 1) as f32 / plan.steps as f32;
-                self.path.set_check_rotation(interpolate_rotation(begin, end, t));
+                self.turn_on_the_way(begin, end, (i + 1) as f32 / plan.steps as f32);
             }
             self.info.sliding.valid = false;
             self.info.clear_contact_plane();
@@ -313,6 +312,12 @@ impl<'w> Transition<'w, '_> {
             }
         }
         ts == TransitionState::Ok
+    }
+
+    // Out of line, as most movers do not turn.
+    #[inline(never)]
+    fn turn_on_the_way(&mut self, begin: Quat, end: Quat, t: f32) {
+        self.path.set_check_rotation(interpolate_rotation(begin, end, t));
     }
 }
 
