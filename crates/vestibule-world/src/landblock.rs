@@ -89,6 +89,13 @@ impl Landblock {
             .map(move |(cell, low)| (CellId::new(id, low), cell))
     }
 
+    /// Whether it is known that there is nothing on a land cell of this block: see [`ShadowLists::is_bare`]. That is
+    /// known once its shadow lists have been asked for.
+    #[inline(always)]
+    pub fn is_known_bare(&self, id: CellId) -> bool {
+        self.shadows.get().is_some_and(|lists| lists.is_bare(id))
+    }
+
     /// The building registered with a land cell.
     #[inline]
     pub fn building_on(&self, id: CellId) -> Option<&Building> {
