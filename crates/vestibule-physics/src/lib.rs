@@ -72,6 +72,7 @@ mod obj_collisions;
 mod object_info;
 mod placement;
 mod plain_land;
+mod plain_objects;
 mod plain_step;
 mod plain_walls;
 mod polygon;

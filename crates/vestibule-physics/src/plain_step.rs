@@ -80,18 +80,32 @@ pub(crate) fn find_open_floor(
     if plane.z() < z {
         return None;
     }
+    let offset = frame.turned_out(floor.sphere - local);
+    lowered.shift(offset);
     if supported {
         let half = shape.arms[0].fourth() * 0.5;
-        if !polygon::check_walkable(face, bsp.edges(face), floor.sphere, half, frame.up()) {
+        if !polygon::check_walkable(face, bsp.edges(face), floor.sphere, half, frame.up())
+            && !has_ground_below(cell, *shape, *lowered, h, z)
+        {
             return None;
         }
     }
-    let offset = frame.turned_out(floor.sphere - local);
-    lowered.shift(offset);
     Some(OpenFloor {
         offset,
         plane,
         walk_interp: floor.walk_interp,
+    })
+}
+
+/// Whether some floor of a room supports a candidate once it is lowered by `h` (5.9). This is asked of the room before
+/// it is asked of anything else.
+#[inline(never)]
+pub(crate) fn has_ground_below(cell: &EnvCell, shape: Shape, at: Candidate, h: f32, z: f32) -> bool {
+    let mut lowered = at;
+    lowered.shift(down(h));
+    cell.structure.physics.as_ref().is_some_and(|bsp| {
+        let foot = lowered.local(&shape, &cell.frame, 0);
+        bsp_tree::hits_walkable(bsp, &foot.into(), cell.frame.up().xyz(), z)
     })
 }
 
@@ -415,7 +429,17 @@ impl PlainStep<'_> {
         let mut lowered = *pose;
         lowered.shift(down(h));
         let supported = self.mover.state.has(ObjectState::EDGE_SLIDE);
-        let floor = find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported)?;
+        let mut floor =
+            find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported).map(|floor| floor.plane);
+        if floor.is_none()
+            || !(lowered.is_within(known.objects_at, known.to_objects)
+                || self.objects_around(cell.id, &lowered, true).is_some())
+        {
+            lowered = *pose;
+            lowered.shift(down(h));
+            floor = self.rest_on_objects(cell, &mut lowered, h);
+        }
+        let floor = floor?;
         if !((own > 0.0 && lowered.is_within(pose.spheres[0], own)) || lowered.rests_in(&self.shape, cell)) {
             return None;
         }
@@ -441,7 +465,7 @@ impl PlainStep<'_> {
                 return None;
             }
         }
-        end_at(self.from, cell.id, &lowered, floor.plane, false, hit)
+        end_at(self.from, cell.id, &lowered, floor, false, hit)
     }
 
     /// Fills the cell array; see [`certain_rooms`].

@@ -2,7 +2,7 @@
 //! (`transition.md` 8.2).
 
 use glam::Vec3;
-use vestibule_world::{CellId, CylSphere, ShadowLists, Sphere, StaticObject, World};
+use vestibule_world::{CellId, CylSphere, ShadowLists, Sphere, StaticObject, StaticReach, World};
 
 use crate::candidate::{Candidate, Shape, distance_to_sphere, distance_to_statics};
 use crate::cylsphere::overlaps_cylinder;
@@ -29,6 +29,13 @@ impl PlainStep<'_> {
         }
         let (shape, pose) = (self.shape, *pose);
         statics_around(self.world, lists, cell, &shape, &pose, placing)
+    }
+}
+
+impl PlainStep<'_> {
+    /// How far a pose may be shifted before it comes near what is within `reach`, metres.
+    pub(crate) fn distance_to_reach(&self, reach: &StaticReach, pose: &Candidate) -> f32 {
+        distance_to_sphere(&reach.sphere, reach.stretch, &self.shape, pose)
     }
 }
 
@@ -71,7 +78,7 @@ fn clears_statics(
 
 /// Whether a pose certainly does not touch a static object of its landblock: by the one kind of shape that counts
 /// (8.2).
-fn clears_object(object: &StaticObject, mover: &Shape, pose: &Candidate, placing: bool) -> bool {
+pub(crate) fn clears_object(object: &StaticObject, mover: &Shape, pose: &Candidate, placing: bool) -> bool {
     let shape = &object.shape;
     if shape.has_physics_bsp {
         return shape.parts.iter().zip(&object.part_frames).all(|(part, frame)| {
