@@ -2,7 +2,7 @@
 //! [`crate::plain_step`].
 
 use vestibule_world::{
-    Building, CellArray, CellEntry, CellId, LandCell, Lanes, Sphere, Water, add_land_cells,
+    Building, CellArray, CellEntry, CellId, LandCell, Lanes, Sphere, TerrainPolygon, Water, add_land_cells,
     distance_to_rooms, transit::add_all_outside_cells,
 };
 
@@ -17,7 +17,7 @@ use crate::plain_step::{PlainEnd, PlainStep, end_at};
 pub(crate) fn plain_step_on_land(step: &PlainStep<'_>, array: &mut CellArray) -> Option<PlainEnd> {
     let id = step.from.cell;
     let cell = step.block.land_cell(id)?;
-    match step.rest_on_bare_ground(id, cell) {
+    match step.rest_on_open_ground(id, cell) {
         Some((rest, plane)) => {
             // Last: a call before there is less to be kept over it would cost more.
             if !step.is_alone_in(id) {
@@ -44,9 +44,11 @@ impl PlainStep<'_> {
     /// Where the candidate comes to rest if it touches nothing but the ground of one land cell, the usual case, and on what
     /// plane.
     #[inline(always)]
-    fn rest_on_bare_ground(&self, id: CellId, cell: &LandCell) -> Option<(Candidate, Lanes)> {
+    fn rest_on_open_ground(&self, id: CellId, cell: &LandCell) -> Option<(Candidate, Lanes)> {
         let spheres = self.candidate.spheres;
-        if !self.block.is_known_bare(id) || !self.low.has_xy_of(spheres[0]) || !cell.certainly_holds(spheres)
+        if !self.low.has_xy_of(spheres[0])
+            || !cell.certainly_holds(spheres)
+            || !self.block.is_known_open(id, cell, spheres)
         {
             return None;
         }
@@ -64,11 +66,11 @@ impl PlainStep<'_> {
         if land.water == Water::Entirely || !upright {
             return None;
         }
-        let (id, cell) = self.land_cells(array)?;
+        let (id, cell, polygon) = self.land_cells(array)?;
         let cells = array.entries();
         let rooms = self.distance_to_rooms(cells, &self.candidate)?;
         let objects = self.objects_on_lands(cells, &self.candidate, false)?;
-        let plane = Lanes::of_plane(&cell.find_terrain_poly(self.low.xyz())?.plane);
+        let plane = Lanes::of_plane(&polygon.plane);
         let rest = self.rest_on(plane, cell.water_depth(self.low.xyz()))?;
         if !self.candidate.has_bits_of(&rest) {
             if !rest.is_within(self.candidate.spheres[0], rooms) {
@@ -117,14 +119,15 @@ impl PlainStep<'_> {
         is_walkable_z(n_z).then_some(rest)
     }
 
-    /// Fills the array with the land cells touched, all of this landblock, and finds the one below the foot.
+    /// Fills the array with the land cells touched, all of this landblock, and finds the one below the foot and its ground
+    /// there.
     #[inline(always)]
-    fn land_cells(&self, array: &mut CellArray) -> Option<(CellId, &LandCell)> {
+    fn land_cells(&self, array: &mut CellArray) -> Option<(CellId, &LandCell, &TerrainPolygon)> {
         let id = self.from.cell;
         let own = self.block.land_cell(id)?;
         let spheres = self.candidate.spheres;
         if add_land_cells(id, own, spheres, array) {
-            return Some((id, own));
+            return Some((id, own, own.find_terrain_poly_inside(spheres[0])?));
         }
         array.clear();
         add_all_outside_cells(
@@ -141,12 +144,12 @@ impl PlainStep<'_> {
         for entry in array.entries() {
             let here = entry.id.block() == id.block();
             let cell = self.block.land_cell(entry.id).filter(|_| here)?;
-            if cell.find_terrain_poly(self.low.xyz()).is_some() {
+            if let Some(polygon) = cell.find_terrain_poly(self.low.xyz()) {
                 // On a border, more than one.
                 if below.is_some() {
                     return None;
                 }
-                below = Some((entry.id, cell));
+                below = Some((entry.id, cell, polygon));
             }
         }
         below

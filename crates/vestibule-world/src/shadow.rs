@@ -8,9 +8,9 @@ use crate::geometry::Sphere;
 use crate::ids::{BlockId, CellId, block_offset};
 use crate::landblock::{LAND_CELLS, Landblock};
 use crate::lanes::Lanes;
+use crate::open_ground::OpenGround;
 use crate::position::Position;
 use crate::shape::{StaticObject, StaticRef};
-use crate::terrain::{LandCell, Water};
 use crate::transit_parts::{PartBounds, find_bbox_cell_list};
 use crate::world::World;
 
@@ -27,8 +27,7 @@ pub struct ShadowLists {
     bounds: Box<[Sphere]>,
     /// Land cells that some object reaches, one bit each.
     land_cells: u64,
-    /// See [`ShadowLists::is_bare`], one bit for each land cell.
-    bare: u64,
+    pub(crate) open_ground: OpenGround,
     /// Start of each cell's range in `quads`; one more entry than cells.
     quad_starts: Box<[u32]>,
     quads: Box<[ReachQuad]>,
@@ -109,14 +108,6 @@ impl ShadowLists {
         self.land_cells
     }
 
-    /// Whether there is nothing but ground on a land cell of this block, dry or with some water: no static object, no
-    /// building, no restriction.
-    #[inline(always)]
-    pub fn is_bare(&self, cell: CellId) -> bool {
-        let index = u32::from(cell.low()).wrapping_sub(1);
-        self.bare.checked_shr(index).is_some_and(|bits| bits & 1 != 0)
-    }
-
     /// How far spheres of which `larger` is the largest radius may be shifted before one comes near a static object of
     /// a cell, metres; see [`StaticReach`]. `head` is the second centre, if there is one.
     #[inline(always)]
@@ -150,6 +141,7 @@ impl ShadowLists {
             + size_of_val(&*self.refs)
             + size_of_val(&*self.reaches)
             + size_of_val(&*self.bounds)
+            + self.open_ground.bytes()
             + size_of_val(&*self.quad_starts)
             + size_of_val(&*self.quads)
     }
@@ -209,10 +201,11 @@ impl ShadowLists {
             quads.extend(of_cell.unwrap_or(&[]).chunks(4).map(ReachQuad::new));
             quad_starts[cell + 1] = quads.len() as u32;
         }
-        let land_cells = in_land.fold(0, |bits, &(slot, ..)| bits | 1 << slot);
         ShadowLists {
-            land_cells,
-            bare: open_ground(block) & !land_cells,
+            land_cells: in_land.fold(0, |bits, &(slot, ..)| bits | 1 << slot),
+            open_ground: OpenGround::build(world, block, |cell| {
+                reaches.get(range_of(&starts, cell)).unwrap_or(&[])
+            }),
             starts: starts.into(),
             refs: found.iter().map(|&(_, r, ..)| r).collect(),
             bounds: found.iter().map(|&(.., bounds)| bounds).collect(),
@@ -221,20 +214,6 @@ impl ShadowLists {
             quads: quads.into(),
         }
     }
-}
-
-/// Land cells without a building or a restriction, one bit each; none in a block that is all water.
-fn open_ground(block: &Landblock) -> u64 {
-    let is_open = |cell: &LandCell| cell.building.is_none() && cell.restriction.is_none();
-    let drowned = block
-        .land
-        .as_ref()
-        .is_none_or(|land| land.water == Water::Entirely);
-    let mut bits = 0;
-    for (index, (_, cell)) in block.land_cells().take(LAND_CELLS).enumerate() {
-        bits |= u64::from(is_open(cell) && !drowned) << index;
-    }
-    bits
 }
 
 /// A sphere that holds all of an object that can be run into, in the frame of its landblock.

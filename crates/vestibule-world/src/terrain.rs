@@ -145,6 +145,12 @@ impl LandCell {
         within(a) & within(b) & 0b11 == 0b11
     }
 
+    /// A point from the south-west corner of the cell, metres; of the lanes the first two.
+    #[inline(always)]
+    pub(crate) fn from_corner(&self, p: Lanes) -> Lanes {
+        p - self.middle + Lanes::splat(SQUARE_LENGTH / 2.0)
+    }
+
     /// On which sides a sphere with its centre inside the cell reaches beyond it, seen from above: 1 to the east and 1 to
     /// the north, -1 to the west and to the south. `None` where that is not certain. The radius is in the fourth lane.
     #[inline(always)]
