@@ -1,7 +1,7 @@
 //! The offset of a step, bent by the plane stood on and the wall slid along (`transition.md` 4.2).
 
 use glam::Vec3;
-use vestibule_world::Lanes;
+use vestibule_world::{Lanes, Sphere};
 
 use crate::constants::EPSILON;
 use crate::math::normalised;
@@ -29,7 +29,7 @@ impl Transition<'_, '_> {
         if contact.is_water || contact.cell.is_none() {
             return;
         }
-        let foot = self.path.global_sphere[0];
+        let foot = Sphere::from(self.path.global_sphere[0]);
         let n = contact.plane.normal;
         let center = foot.center - self.blk(self.path.check_pos.cell, contact.cell);
         let s = contact.plane.dist(center);

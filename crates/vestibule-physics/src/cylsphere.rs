@@ -72,8 +72,9 @@ impl Transition<'_, '_> {
     /// object's own.
     pub(crate) fn intersects_cylsphere(&mut self, target: &CylSphere, frame: &Frame) -> TransitionState {
         let path = &self.path;
-        let cylinder = Cylinder::of(target, &path.global_sphere);
-        let (disp, [foot, head]) = cylinder.overlapped_by(&path.global_sphere, path.num_sphere);
+        let spheres = path.spheres();
+        let cylinder = Cylinder::of(target, &spheres);
+        let (disp, [foot, head]) = cylinder.overlapped_by(&spheres, path.num_sphere);
         let overlap = foot || head;
         let placing = path.insert_type == InsertType::Placement || path.obstruction_ethereal;
         if !overlap {
@@ -114,12 +115,12 @@ impl Transition<'_, '_> {
 
     fn cylinder_normal(&self, cylinder: &Cylinder, i: usize, disp: Vec3) -> (Vec3, bool) {
         let before = self.curr_center_for_objects(i) - cylinder.low;
-        cylinder.normal_of_collision(self.path.global_sphere[i].radius, before, disp)
+        cylinder.normal_of_collision(self.path.global_sphere[i].fourth(), before, disp)
     }
 
     /// 8.4.5.
     fn step_up_cylinder(&mut self, cylinder: &Cylinder, disp: Vec3, frame: &Frame) -> TransitionState {
-        if self.object.step_up_height < self.path.global_sphere[0].radius + cylinder.height - disp.z {
+        if self.object.step_up_height < self.path.foot_radius() + cylinder.height - disp.z {
             return self.slide_along_cylinder(cylinder, 0, disp);
         }
         let (n, _) = self.cylinder_normal(cylinder, 0, disp);
@@ -152,7 +153,7 @@ impl Transition<'_, '_> {
         if v.abs() < EPSILON {
             return TransitionState::Collided;
         }
-        let foot = self.path.global_sphere[0];
+        let foot = Sphere::from(self.path.global_sphere[0]);
         let f = cylinder.height + foot.radius - disp.z;
         let w = (1.0 - f / v) * interp;
         if w >= interp || w < SHAPE_INTERP_LIMIT {
@@ -164,7 +165,7 @@ impl Transition<'_, '_> {
 
     /// 8.4.8.
     fn rewind_onto_cylinder(&mut self, cylinder: &Cylinder, disp: Vec3) -> TransitionState {
-        let foot = self.path.global_sphere[0];
+        let foot = Sphere::from(self.path.global_sphere[0]);
         let m = -self.path.foot_displacement();
         if m.z.abs() < EPSILON {
             return TransitionState::Collided;
@@ -194,10 +195,10 @@ impl Transition<'_, '_> {
             self.info.set_collision_normal(unit);
             return TransitionState::Collided;
         }
-        let sphere = self.path.global_sphere[i];
+        let sphere = Sphere::from(self.path.global_sphere[i]);
         // Always the foot sphere's accepted centre.
         let curr = self.curr_center_for_objects(0);
-        let m = self.path.block_offset_curr_check() + sphere.center - self.path.global_curr_center[0];
+        let m = self.path.block_offset_curr_check() + sphere.center - self.path.curr_center(0);
         let d = curr - cylinder.low;
         let r = cylinder.sum + EPSILON;
         let a = m.x * m.x + m.y * m.y;

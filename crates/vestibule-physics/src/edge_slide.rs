@@ -47,7 +47,7 @@ impl Transition<'_, '_> {
             return true;
         };
         self.path.cache_localspace_sphere(walkable.space);
-        let foot = self.path.localspace_foot;
+        let foot = self.path.localspace_foot.into();
         if let Some(walkable) = &mut self.path.walkable {
             walkable.check_pos = foot;
         }
@@ -64,7 +64,7 @@ impl Transition<'_, '_> {
 
     /// Steps down from the last accepted place; only the polygon found matters (case 5).
     fn look_back_for_edge(&mut self, h: f32, z: f32) {
-        let back = self.path.global_curr_center[0] - self.path.global_sphere[0].center;
+        let back = self.path.curr_center(0) - self.path.center(0);
         let back = if self.settings.retail_missing_block_offsets {
             back
         } else {

@@ -61,12 +61,12 @@ impl<'w> Transition<'w, '_> {
     #[inline(always)]
     fn is_in_open_space(&self, cell: &EnvCell) -> bool {
         let path = &self.path;
-        let clear = |s: &Sphere| cell.hints.certainly_clear(s.center.into(), s.radius);
+        let clear = |i: usize| {
+            let s = path.global_sphere[i];
+            cell.hints.certainly_clear(s, s.fourth())
+        };
         // Spheres that turn do so one step after the candidate (3.5.4): what collides is not where they are.
-        if !self.keeps_shape
-            || path.check_pos.cell.block() != cell.id.block()
-            || !clear(&path.global_sphere[0])
-        {
+        if !self.keeps_shape || path.check_pos.cell.block() != cell.id.block() || !clear(0) {
             return false;
         }
         let placing = path.insert_type != InsertType::Transition;
@@ -74,7 +74,7 @@ impl<'w> Transition<'w, '_> {
             return false;
         }
         let foot_only = path.num_sphere < 2 || (path.step_down && !placing);
-        foot_only || clear(&path.global_sphere[1])
+        foot_only || clear(1)
     }
 
     #[inline(never)]
@@ -135,7 +135,7 @@ impl<'w> Transition<'w, '_> {
             return TransitionState::Collided;
         }
         let offset = self.blk(self.path.check_pos.cell, id);
-        let low = self.path.global_low_point - offset;
+        let low = self.path.global_low_point.xyz() - offset;
         let Some(polygon) = cell.find_terrain_poly(low) else {
             return TransitionState::Ok;
         };
@@ -153,11 +153,7 @@ impl<'w> Transition<'w, '_> {
         } else {
             cell.water_depth(low)
         };
-        let foot = self.path.global_sphere[0];
-        let foot = Sphere {
-            center: foot.center - offset,
-            radius: foot.radius,
-        };
+        let foot = Sphere::new(self.path.center(0) - offset, self.path.foot_radius());
         self.validate_walkable(&foot, &polygon.plane, cell.water != Water::Not, depth, id)
     }
 
@@ -219,7 +215,7 @@ impl<'w> Transition<'w, '_> {
             return TransitionState::Ok;
         }
         let m = if self.settings.retail_missing_block_offsets {
-            s.center - self.path.global_curr_center[0]
+            s.center - self.path.curr_center(0)
         } else {
             self.path.foot_displacement()
         };
@@ -249,7 +245,7 @@ impl<'w> Transition<'w, '_> {
         let low = cell.low().wrapping_sub(1);
         let half = vestibule_world::constants::SQUARE_LENGTH / 2.0;
         let center = |k: u16| f32::from(2 * k + 1) * half;
-        let curr = self.path.curr_pos.origin - self.blk(self.path.curr_pos.cell, cell);
+        let curr = self.path.curr_pos.origin() - self.blk(self.path.curr_pos.cell, cell);
         let (x, y) = (curr.x - center(low >> 3), curr.y - center(low & 7));
         let n = if y.abs() <= half {
             if x < -half { -Vec3::X } else { Vec3::X }

@@ -1,7 +1,7 @@
 //! Collision with a physics BSP: cell structures, building shells and object parts (`transition.md` 6.9 to
 //! 6.11).
 
-use vestibule_world::{Face, PhysicsBsp, Plane, Sphere};
+use vestibule_world::{Face, Lanes, PhysicsBsp, Plane, Sphere};
 
 use crate::bsp_tree::{self, SolidPoly, WalkableSearch};
 use crate::constants::{PLACEMENT_INSERT_BUDGET, Z_FOR_LANDING};
@@ -17,9 +17,8 @@ impl<'w> Transition<'w, '_> {
         let foot = path.localspace_foot;
         if path.insert_type == InsertType::Placement || path.obstruction_ethereal {
             let center_check = !(path.bldg_check && path.hits_interior_cell);
-            let hit = bsp_tree::sphere_intersects_solid(bsp, foot.into(), center_check)
-                || (two
-                    && bsp_tree::sphere_intersects_solid(bsp, path.localspace_head().into(), center_check));
+            let hit = bsp_tree::sphere_intersects_solid(bsp, foot, center_check)
+                || (two && bsp_tree::sphere_intersects_solid(bsp, path.localspace_head(), center_check));
             return if hit {
                 TransitionState::Collided
             } else {
@@ -27,7 +26,12 @@ impl<'w> Transition<'w, '_> {
             };
         }
         if path.check_walkable {
-            let hit = bsp_tree::hits_walkable(bsp, &foot, path.localspace_z, path.walkable_allowance);
+            let hit = bsp_tree::hits_walkable(
+                bsp,
+                &foot.into(),
+                path.localspace_z.xyz(),
+                path.walkable_allowance,
+            );
             return if hit {
                 TransitionState::Collided
             } else {
@@ -37,16 +41,16 @@ impl<'w> Transition<'w, '_> {
         if path.step_down {
             return self.step_sphere_down(bsp);
         }
-        if !path.collide && bsp.certainly_clear(foot.into()) && (!two || self.is_head_clear(bsp)) {
+        if !path.collide && bsp.certainly_clear(foot) && (!two || self.is_head_clear(bsp)) {
             return TransitionState::Ok;
         }
         let path = &self.path;
-        let movement = foot.center - path.localspace_curr_foot();
+        let movement = foot.xyz() - path.localspace_curr_foot();
         if path.collide {
-            return self.rest_on_walkable(bsp, movement);
+            return self.rest_on_walkable(bsp, movement.into());
         }
         let mut foot_poly = None;
-        let foot_hit = bsp_tree::sphere_intersects_poly(bsp, foot.into(), movement.into(), &mut foot_poly);
+        let foot_hit = bsp_tree::sphere_intersects_poly(bsp, foot, movement.into(), &mut foot_poly);
         if self.object.is(ObjectState::CONTACT) {
             if let (true, Some(face)) = (foot_hit, foot_poly) {
                 return self.step_sphere_up(face);
@@ -55,7 +59,7 @@ impl<'w> Transition<'w, '_> {
                 let mut head_poly = None;
                 let head_hit = bsp_tree::sphere_intersects_poly(
                     bsp,
-                    self.path.localspace_head().into(),
+                    self.path.localspace_head(),
                     movement.into(),
                     &mut head_poly,
                 );
@@ -86,7 +90,7 @@ impl<'w> Transition<'w, '_> {
         if two {
             let mut head_poly = None;
             let head = self.path.localspace_head();
-            bsp_tree::sphere_intersects_poly(bsp, head.into(), movement.into(), &mut head_poly);
+            bsp_tree::sphere_intersects_poly(bsp, head, movement.into(), &mut head_poly);
             if let Some(face) = head_poly {
                 let n = self.path.localspace_vec_to_global(face.plane.normal);
                 self.info.set_collision_normal(n);
@@ -98,7 +102,7 @@ impl<'w> Transition<'w, '_> {
 
     #[inline(always)]
     fn is_head_clear(&self, bsp: &PhysicsBsp) -> bool {
-        bsp.certainly_clear(self.path.localspace_head().into())
+        bsp.certainly_clear(self.path.localspace_head())
     }
 
     fn neg_poly_hit(&mut self, step_up: bool, face: &Face) {
@@ -115,16 +119,16 @@ impl<'w> Transition<'w, '_> {
     }
 
     /// Moves the candidate back along `movement` onto the last polygon it can stand on (6.10.4, 6.11.1).
-    fn rest_on_walkable(&mut self, bsp: &'w PhysicsBsp, movement: glam::Vec3) -> TransitionState {
+    fn rest_on_walkable(&mut self, bsp: &'w PhysicsBsp, movement: Lanes) -> TransitionState {
         let path = &self.path;
         let before = path.localspace_foot;
-        if bsp.certainly_clear(before.into()) {
+        if bsp.certainly_clear(before) {
             return TransitionState::Ok;
         }
         let mut search = WalkableSearch {
-            sphere: before.into(),
-            movement: movement.into(),
-            up: path.localspace_z.into(),
+            sphere: before,
+            movement,
+            up: path.localspace_z,
             walkable_allowance: path.walkable_allowance,
             walk_interp: path.walk_interp,
             found: None,
@@ -136,7 +140,7 @@ impl<'w> Transition<'w, '_> {
         self.path.walk_interp = search.walk_interp;
         let scale = self.path.localspace.scale;
         let rested = Sphere::from(search.sphere);
-        let moved = rested.center - before.center;
+        let moved = rested.center - before.xyz();
         let offset = self.path.localspace_vec_to_global(moved) * scale;
         let plane = self.contact_plane_of(bsp, face);
         self.path.add_offset_to_check_pos(offset);
@@ -185,7 +189,7 @@ impl<'w> Transition<'w, '_> {
             self.info.set_collision_normal(n);
             return TransitionState::Collided;
         }
-        let sphere = self.path.localspace_foot;
+        let sphere = Sphere::from(self.path.localspace_foot);
         let curr = self.path.localspace_curr_foot();
         let Some(center) = bsp_tree::adjust_to_plane(bsp, &sphere, curr, face) else {
             return TransitionState::Collided;
@@ -202,9 +206,9 @@ impl<'w> Transition<'w, '_> {
         let path = &self.path;
         let two = path.num_sphere > 1;
         let check_center = !(path.bldg_check && path.hits_interior_cell);
-        let mut foot = path.localspace_foot;
+        let mut foot = Sphere::from(path.localspace_foot);
         let start = foot.center;
-        let mut head = if two { path.localspace_head() } else { foot };
+        let mut head = if two { path.localspace_head().into() } else { foot };
         let mut radius = foot.radius;
         let mut found = SolidPoly::default();
         for round in 0..PLACEMENT_INSERT_BUDGET {

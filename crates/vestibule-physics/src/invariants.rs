@@ -26,9 +26,9 @@ struct Curr {
 fn curr(t: &Transition<'_, '_>) -> Curr {
     Curr {
         cell: t.path.curr_pos.cell,
-        origin: t.path.curr_pos.origin,
+        origin: t.path.curr_pos.origin(),
         named: t.path.curr_cell.map(|c| c.id()),
-        centers: t.path.global_curr_center,
+        centers: [t.path.curr_center(0), t.path.curr_center(1)],
     }
 }
 
@@ -111,11 +111,11 @@ proptest! {
             prop_assert_eq!(ts, TransitionState::Ok);
             let path = &t.path;
             prop_assert_eq!(path.check_pos.cell, path.curr_pos.cell);
-            prop_assert_eq!(path.check_pos.origin, path.curr_pos.origin);
+            prop_assert_eq!(path.check_pos.origin(), path.curr_pos.origin());
             prop_assert_eq!(path.check_rotation, path.curr_rotation);
             prop_assert_eq!(path.check_cell.map(|c| c.id()), path.curr_cell.map(|c| c.id()));
             for i in 0..path.num_sphere {
-                prop_assert_eq!(path.global_sphere[i].center, path.global_curr_center[i]);
+                prop_assert_eq!(path.center(i), path.curr_center(i));
             }
         }
     }
@@ -159,20 +159,21 @@ proptest! {
         t.path.set_check_rotation(rotation);
         let origin = v(at.0, at.1, at.2);
         let cell = t.path.check_cell;
-        t.path.set_check_pos(Pose { cell: LAND, origin }, cell);
+        let pose = Pose { cell: LAND, origin: origin.into() };
+        t.path.set_check_pos(pose, cell);
         let placed = |origin| {
             let frame = Frame::new(origin, rotation);
             [0, 1].map(|i| frame.local_to_global(mover.spheres()[i].center))
         };
-        let centers = |t: &Transition<'_, '_>| [0, 1].map(|i| t.path.global_sphere[i].center);
+        let centers = |t: &Transition<'_, '_>| [0, 1].map(|i| t.path.center(i));
         prop_assert_eq!(centers(&t), placed(origin));
         let low = mover.spheres()[0].center - Vec3::Z * 0.48;
-        prop_assert_eq!(t.path.global_low_point, Frame::new(origin, rotation).local_to_global(low));
+        prop_assert_eq!(t.path.global_low_point.xyz(), Frame::new(origin, rotation).local_to_global(low));
         // And to rounding when it is shifted.
         for offset in by {
             t.path.add_offset_to_check_pos(offset);
         }
-        let expected = placed(t.path.check_pos.origin);
+        let expected = placed(t.path.check_pos.origin());
         for (center, expected) in centers(&t).iter().zip(expected) {
             prop_assert!((*center - expected).length() < 1e-3);
         }
@@ -271,8 +272,9 @@ proptest! {
         let mut check = |t: &mut Transition<'_, '_>| {
             let found = t.build_cell_array(true);
             let path = &t.path;
-            let spheres = &path.global_sphere[..path.num_sphere];
-            let expected = find_cell_list(t.world, path.check_pos.cell, path.check_pos.origin, spheres, &mut fresh, true);
+            let spheres = &path.spheres()[..path.num_sphere];
+            let origin = path.check_pos.origin();
+            let expected = find_cell_list(t.world, path.check_pos.cell, origin, spheres, &mut fresh, true);
             assert_eq!(found, expected.containing);
             assert_eq!(path.hits_interior_cell, expected.hits_interior);
             assert_eq!(t.cell_array.entries(), fresh.entries());
@@ -334,10 +336,10 @@ proptest! {
     fn i15_interior_ids_never_move_the_origin(low in 0x100u16..0xFFFE, block: u16, x in -300f32..300.0) {
         let mut rig = Rig::flat();
         let mut t = rig.transition(&walker(), &Carried::default(), v(x, 12.0, 5.0));
-        let before = t.path.global_sphere[0].center;
+        let before = t.path.center(0);
         t.path.adjust_check_pos(CellId(u32::from(block) << 16 | u32::from(low)));
-        prop_assert_eq!(t.path.check_pos.origin, v(x, 12.0, 5.0));
-        prop_assert_eq!(t.path.global_sphere[0].center, before);
+        prop_assert_eq!(t.path.check_pos.origin(), v(x, 12.0, 5.0));
+        prop_assert_eq!(t.path.center(0), before);
         prop_assert_eq!(t.path.check_pos.cell.low(), low);
     }
 

@@ -68,6 +68,7 @@ pub mod flags;
 mod invariants;
 pub mod locomotion;
 mod math;
+mod near_statics;
 mod obj_collisions;
 mod object_info;
 mod placement;

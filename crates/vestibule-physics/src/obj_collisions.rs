@@ -6,13 +6,12 @@ use vestibule_world::{
 };
 
 use crate::bsp_tree::spheres_overlap;
-use crate::candidate::distance_to_statics;
 use crate::flags::{ObjectKind, ObjectState, PhysicsState};
 use crate::math::length;
 use crate::population::BodyId;
 use crate::sphere_path::LocalSpace;
 use crate::sweep::Touch;
-use crate::transition::{InsertType, StaticsCalm, Transition, TransitionState};
+use crate::transition::{InsertType, Transition, TransitionState};
 
 /// An object that can be run into: a static object of the world or a body of the population.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -37,22 +36,6 @@ pub(crate) struct Target<'w> {
 }
 
 impl<'w> Target<'w> {
-    /// A static object as the world loads it (`world.md` B2).
-    pub(crate) fn of_static(r: StaticRef, object: &'w StaticObject) -> Self {
-        let mut state = PhysicsState::DEFAULT.with(PhysicsState::STATIC);
-        state.set(PhysicsState::HAS_PHYSICS_BSP, object.shape.has_physics_bsp);
-        Target {
-            object: ObjectRef::Static(r),
-            cell: object.cell,
-            frame: &object.frame,
-            scale: 1.0,
-            state,
-            kind: ObjectKind::NONE,
-            shape: &object.shape,
-            part_frames: &object.part_frames,
-        }
-    }
-
     /// Whether this is a creature.
     fn is_creature(&self) -> bool {
         self.kind.has(ObjectKind::CREATURE)
@@ -63,48 +46,10 @@ impl<'w> Transition<'w, '_> {
     /// The objects that reach a cell, in the order they entered it (7.7).
     #[inline(always)]
     pub(crate) fn find_obj_collisions(&mut self, cell: CellId, block: &'w Landblock) -> TransitionState {
-        if self.has_no_objects_near(cell, block, self.path.global_sphere[0].center) {
+        if self.has_no_objects_near(cell, block, self.path.global_sphere[0]) {
             return TransitionState::Ok;
         }
         self.find_any_obj_collisions(cell, block)
-    }
-
-    /// Whether there certainly is no object of the cell in reach of the candidate, shifted so that its foot sphere
-    /// is at `center`.
-    #[inline(always)]
-    pub(crate) fn has_no_objects_near(&self, cell: CellId, block: &'w Landblock, center: Vec3) -> bool {
-        if self.population.has_bodies() && !self.population.is_alone_in(cell, self.object.body) {
-            return false;
-        }
-        let shift = center - self.statics_calm.center;
-        let calm = self.statics_calm.cell == cell && shift.dot(shift) < self.statics_calm.reach;
-        calm || self.world.shadow_lists(block).is_empty_in(cell)
-    }
-
-    /// As [`Transition::has_no_objects_near`] at the candidate itself, looking closer.
-    pub(crate) fn has_statics_afar(&mut self, cell: CellId, block: &'w Landblock) -> bool {
-        let center = self.path.global_sphere[0].center;
-        if self.has_no_objects_near(cell, block, center) {
-            return true;
-        }
-        let alone = !self.population.has_bodies() || self.population.is_alone_in(cell, self.object.body);
-        if !alone
-            || !self.keeps_shape
-            || self.world.settings().exact
-            || cell.block() != self.path.check_pos.cell.block()
-        {
-            return false;
-        }
-        let (shape, at) = (self.path.shape(), self.path.candidate());
-        let least = distance_to_statics(self.world.shadow_lists(block), cell, &shape, &at);
-        if least > 0.0 {
-            self.statics_calm = StaticsCalm {
-                cell,
-                center,
-                reach: least * least,
-            };
-        }
-        least > 0.0
     }
 
     #[inline(never)]
@@ -112,9 +57,32 @@ impl<'w> Transition<'w, '_> {
         if self.path.insert_type == InsertType::InitialPlacement {
             return TransitionState::Ok;
         }
-        let ts = self.find_static_collisions(cell, block);
-        if ts != TransitionState::Ok {
-            return ts;
+        if let Some(objects) = self.only_statics_near(cell, block) {
+            for object in objects.into_iter().map_while(|object| object) {
+                let ts = self.find_static_object_collisions(object);
+                if ts != TransitionState::Ok {
+                    return ts;
+                }
+            }
+            return TransitionState::Ok;
+        }
+        self.find_all_obj_collisions(cell, block)
+    }
+
+    /// Everything that is not certainly out of reach.
+    #[inline(never)]
+    fn find_all_obj_collisions(&mut self, cell: CellId, block: &'w Landblock) -> TransitionState {
+        for (r, reach) in self.world.shadow_lists(block).with_reaches(cell) {
+            if self.distance_to_reach(reach, cell) > 0.0 && !self.world.settings().exact {
+                continue;
+            }
+            let Some(object) = self.world.static_object(r) else {
+                continue;
+            };
+            let ts = self.find_static_object_collisions(object);
+            if ts != TransitionState::Ok {
+                return ts;
+            }
         }
         for &id in self.population.shadows_in(cell) {
             if Some(id) == self.object.body {
@@ -131,34 +99,21 @@ impl<'w> Transition<'w, '_> {
         TransitionState::Ok
     }
 
-    /// The static objects of a cell.
-    fn find_static_collisions(&mut self, cell: CellId, block: &'w Landblock) -> TransitionState {
-        let center = self.path.global_sphere[0].center;
-        // Shifts of the candidate are measured in the frame of one landblock.
-        let mut least = f32::INFINITY;
-        for (r, reach) in self.world.shadow_lists(block).with_reaches(cell) {
-            let distance = self.distance_to_reach(reach, cell);
-            if distance > 0.0 && !self.world.settings().exact {
-                least = if distance < least { distance } else { least };
-                continue;
-            }
-            least = 0.0;
-            let Some(object) = self.world.static_object(r) else {
-                continue;
-            };
-            let ts = self.find_object_collisions(&Target::of_static(r, object));
-            if ts != TransitionState::Ok {
-                return ts;
-            }
+    /// As [`Transition::find_object_collisions`] for a static object, which nobody passes through or runs into for
+    /// nothing, and which is never noted.
+    #[inline(always)]
+    fn find_static_object_collisions(&mut self, object: &'w StaticObject) -> TransitionState {
+        self.path.obstruction_ethereal = false;
+        let shape = &object.shape;
+        let ts = if shape.has_physics_bsp {
+            self.find_parts_collisions(shape, &object.part_frames, object.cell, 1.0)
+        } else {
+            self.find_simple_collisions(shape, &object.frame, object.cell, 1.0, false)
+        };
+        if ts != TransitionState::Ok && !self.path.step_down && !self.object.is(ObjectState::CONTACT) {
+            self.info.collided_with_environment = true;
         }
-        if self.keeps_shape && cell.block() == self.path.check_pos.cell.block() {
-            self.statics_calm = StaticsCalm {
-                cell,
-                center,
-                reach: least * least,
-            };
-        }
-        TransitionState::Ok
+        ts
     }
 
     /// How far the mover may be shifted before any of its spheres comes near what `reach` holds, metres; zero or
@@ -170,7 +125,7 @@ impl<'w> Transition<'w, '_> {
         if cell.block() != path.check_pos.cell.block() {
             center += self.blk(path.check_pos.cell, cell);
         }
-        let [foot, head] = &path.global_sphere;
+        let [foot, head] = path.spheres();
         let larger = if head.radius > foot.radius {
             head.radius
         } else {
@@ -246,31 +201,54 @@ impl<'w> Transition<'w, '_> {
 
     /// Exactly one kind of shape is used: parts, else cylinders, else spheres.
     fn find_shape_collisions(&mut self, target: &Target<'w>, is_creature: bool) -> TransitionState {
-        let shape = target.shape;
+        let (shape, cell, scale) = (target.shape, target.cell, target.scale);
         if target.state.has(PhysicsState::HAS_PHYSICS_BSP) {
-            for (part, frame) in shape.parts.iter().zip(target.part_frames) {
-                let Some(model) = &part.model else { continue };
-                let space = LocalSpace {
-                    cell: target.cell,
-                    frame,
-                    scale: part.scale.z * target.scale,
-                };
-                let ts = self.find_part_collisions(model, space);
-                if ts != TransitionState::Ok {
-                    return ts;
-                }
-            }
-            return TransitionState::Ok;
+            self.find_parts_collisions(shape, target.part_frames, cell, scale)
+        } else {
+            self.find_simple_collisions(shape, target.frame, cell, scale, is_creature)
         }
-        let offset = self.blk(self.path.check_pos.cell, target.cell);
-        let to_global = |p: Vec3| offset + target.frame.local_to_global(p * target.scale);
+    }
+
+    #[inline(always)]
+    fn find_parts_collisions(
+        &mut self,
+        shape: &'w Shape,
+        frames: &'w [Frame],
+        cell: CellId,
+        scale: f32,
+    ) -> TransitionState {
+        for (part, frame) in shape.parts.iter().zip(frames) {
+            let Some(model) = &part.model else { continue };
+            let space = LocalSpace {
+                cell,
+                frame,
+                scale: part.scale.z * scale,
+            };
+            let ts = self.find_part_collisions(model, space);
+            if ts != TransitionState::Ok {
+                return ts;
+            }
+        }
+        TransitionState::Ok
+    }
+
+    fn find_simple_collisions(
+        &mut self,
+        shape: &Shape,
+        frame: &Frame,
+        cell: CellId,
+        scale: f32,
+        is_creature: bool,
+    ) -> TransitionState {
+        let offset = self.blk(self.path.check_pos.cell, cell);
+        let to_global = |p: Vec3| offset + frame.local_to_global(p * scale);
         for cylinder in &shape.cylspheres {
             let global = CylSphere {
                 low_point: to_global(cylinder.low_point),
-                radius: cylinder.radius * target.scale,
-                height: cylinder.height * target.scale,
+                radius: cylinder.radius * scale,
+                height: cylinder.height * scale,
             };
-            let ts = self.intersects_cylsphere(&global, target.frame);
+            let ts = self.intersects_cylsphere(&global, frame);
             if ts != TransitionState::Ok {
                 return ts;
             }
@@ -281,7 +259,7 @@ impl<'w> Transition<'w, '_> {
         for sphere in &shape.spheres {
             let global = Sphere {
                 center: to_global(sphere.center),
-                radius: sphere.radius * target.scale,
+                radius: sphere.radius * scale,
             };
             let ts = self.intersects_sphere(&global, is_creature);
             if ts != TransitionState::Ok {
@@ -301,8 +279,8 @@ impl<'w> Transition<'w, '_> {
             return TransitionState::Ok;
         };
         self.path.cache_localspace_sphere(space);
-        let reached = spheres_overlap(bound, &self.path.localspace_foot)
-            || (self.path.num_sphere > 1 && spheres_overlap(bound, &self.path.localspace_head()));
+        let reached = spheres_overlap(bound, &self.path.localspace_foot.into())
+            || (self.path.num_sphere > 1 && spheres_overlap(bound, &self.path.localspace_head().into()));
         if !reached {
             return TransitionState::Ok;
         }

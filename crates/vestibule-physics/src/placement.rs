@@ -81,7 +81,7 @@ impl<'w> Transition<'w, '_> {
         self.path.walkable_allowance = Z_FOR_LANDING;
         self.path.save_check_pos();
         let pushed = core::mem::replace(&mut self.path.insert_type, InsertType::Transition);
-        let r = self.path.global_sphere[0].radius;
+        let r = self.path.foot_radius();
         let mut h = self.object.step_down_height;
         if self.path.num_sphere < 2 && 2.0 * r < h {
             h = r / 2.0;

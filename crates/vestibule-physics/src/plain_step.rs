@@ -26,15 +26,6 @@ use crate::population::Population;
 use crate::sphere_path::Arms;
 use crate::sweep::{Carried, ContactPlane, Mover, Scratch, Swept};
 
-/// A floor found below a candidate.
-pub(crate) struct OpenFloor {
-    /// What takes the lowered candidate back up.
-    pub(crate) offset: Lanes,
-    /// The floor's plane in the frame of the cell's landblock.
-    pub(crate) plane: Lanes,
-    pub(crate) walk_interp: f32,
-}
-
 /// The floor of a cell that the foot sphere is lifted onto in a step down by `h`, level enough by `z` (6.11.1).
 #[inline(always)]
 pub(crate) fn search_below<'b>(
@@ -51,7 +42,7 @@ pub(crate) fn search_below<'b>(
     Some((bsp, floor, local))
 }
 
-/// How a step down by `h` ends when it finds a floor of the cell and nothing is in the way of the candidate lifted
+/// The plane stood on when a step down by `h` finds a floor of the cell and nothing is in the way of the candidate lifted
 /// onto it (5.8). `lowered` has been lowered and is lifted; `supported`: the floor must support the
 /// foot sphere. Whether any cell or object has room for the lifted candidate is for the caller to see
 /// ([`Candidate::rests_in`]).
@@ -63,7 +54,7 @@ pub(crate) fn find_open_floor(
     h: f32,
     z: f32,
     supported: bool,
-) -> Option<OpenFloor> {
+) -> Option<Lanes> {
     let level = cell.hints.level_floor();
     if level.is_around(lowered.spheres[0])
         && let Some(floor) = rest_on_level_floor(level, shape, lowered, h, z)
@@ -80,8 +71,7 @@ pub(crate) fn find_open_floor(
     if plane.z() < z {
         return None;
     }
-    let offset = frame.turned_out(floor.sphere - local);
-    lowered.shift(offset);
+    lowered.shift(frame.turned_out(floor.sphere - local));
     if supported {
         let half = shape.arms[0].fourth() * 0.5;
         if !polygon::check_walkable(face, bsp.edges(face), floor.sphere, half, frame.up())
@@ -90,11 +80,7 @@ pub(crate) fn find_open_floor(
             return None;
         }
     }
-    Some(OpenFloor {
-        offset,
-        plane,
-        walk_interp: floor.walk_interp,
-    })
+    Some(plane)
 }
 
 /// Whether some floor of a room supports a candidate once it is lowered by `h` (5.9). This is asked of the room before
@@ -118,7 +104,7 @@ fn rest_on_level_floor(
     lowered: &mut Candidate,
     h: f32,
     allowance: f32,
-) -> Option<OpenFloor> {
+) -> Option<Lanes> {
     let radius = shape.arms[0].fourth();
     let reach = radius - EPSILON;
     let z = lowered.origin.z() + shape.arms[0].z() - level.origin_z;
@@ -134,13 +120,8 @@ fn rest_on_level_floor(
     if walk_interp >= 1.0 || walk_interp < POLYGON_INTERP_LIMIT || !(reach < (rested + level.d).abs()) {
         return None;
     }
-    let offset = level.shift_by(rested - z);
-    lowered.shift(offset);
-    Some(OpenFloor {
-        offset,
-        plane: level.plane,
-        walk_interp,
-    })
+    lowered.shift(level.shift_by(rested - z));
+    Some(level.plane)
 }
 
 /// Where a usual step ends: on walkable ground.
@@ -298,7 +279,7 @@ pub(crate) fn plain_step(
                 || step().call_objects_around(cell.id, &lowered, true).is_some())
         {
             scratch.cell_array.start(cell.id, true);
-            return end_at(from, cell.id, &lowered, floor.plane, false, None);
+            return end_at(from, cell.id, &lowered, floor, false, None);
         }
     }
     step().in_rooms(cell, scratch, found)
@@ -429,8 +410,7 @@ impl PlainStep<'_> {
         let mut lowered = *pose;
         lowered.shift(down(h));
         let supported = self.mover.state.has(ObjectState::EDGE_SLIDE);
-        let mut floor =
-            find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported).map(|floor| floor.plane);
+        let mut floor = find_open_floor(cell, &self.shape, &mut lowered, h, FLOOR_Z, supported);
         if floor.is_none()
             || !(lowered.is_within(known.objects_at, known.to_objects)
                 || self.objects_around(cell.id, &lowered, true).is_some())

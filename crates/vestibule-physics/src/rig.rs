@@ -264,7 +264,7 @@ pub(crate) fn stand_on_polygon(t: &mut Transition<'_, '_>) {
         frame: &object.part_frames[0],
         scale: 1.0,
     });
-    let foot = t.path.localspace_foot;
+    let foot = t.path.localspace_foot.into();
     t.path.set_walkable(foot, bsp, &bsp.faces()[0]);
 }
 

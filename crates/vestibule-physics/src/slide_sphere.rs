@@ -15,8 +15,8 @@ impl Transition<'_, '_> {
 
     /// Slides sphere `i` along a surface with the global normal `n` (retail `CSphere::slide_sphere`).
     pub(crate) fn slide_sphere(&mut self, i: usize, n: Vec3) -> TransitionState {
-        let center = self.path.global_sphere[i].center;
-        let curr = self.path.global_curr_center[i];
+        let center = self.path.center(i);
+        let curr = self.path.curr_center(i);
         if n == Vec3::ZERO {
             let offset = self.path.block_offset_curr_check();
             self.path

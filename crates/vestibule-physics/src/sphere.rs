@@ -32,7 +32,7 @@ impl Transition<'_, '_> {
     /// Centre of sphere `i` at the accepted pose, in the frame of the candidate's landblock.
     #[inline]
     pub(crate) fn curr_center_for_objects(&self, i: usize) -> Vec3 {
-        let center = self.path.global_curr_center[i];
+        let center = self.path.curr_center(i);
         if self.settings.retail_missing_block_offsets {
             center
         } else {
@@ -44,7 +44,7 @@ impl Transition<'_, '_> {
     pub(crate) fn intersects_sphere(&mut self, target: &Sphere, is_creature: bool) -> TransitionState {
         let path = &self.path;
         let (c, rho) = (target.center, target.radius);
-        let (disp, sum, [foot, head]) = overlapped_by(target, &path.global_sphere, path.num_sphere);
+        let (disp, sum, [foot, head]) = overlapped_by(target, &path.spheres(), path.num_sphere);
         let overlap = foot || head;
         let collided_if = |hit| {
             if hit {
@@ -180,7 +180,7 @@ impl Transition<'_, '_> {
 
     /// 8.3.8.
     fn rewind_onto_sphere(&mut self, disp: Vec3, r: f32) -> TransitionState {
-        let foot = self.path.global_sphere[0];
+        let foot = Sphere::from(self.path.global_sphere[0]);
         let m = -self.path.foot_displacement();
         let l = m.dot(m);
         if l.abs() < EPSILON {
@@ -229,8 +229,8 @@ impl Transition<'_, '_> {
             }
             return TransitionState::Collided;
         }
-        let center = self.path.global_sphere[i].center;
-        let m = self.path.block_offset_curr_check() + center - self.path.global_curr_center[i];
+        let center = self.path.center(i);
+        let m = self.path.block_offset_curr_check() + center - self.path.curr_center(i);
         let t = collision_time(m, d, r);
         if t < f64::from(EPSILON) || t > 1.0 {
             return TransitionState::Collided;

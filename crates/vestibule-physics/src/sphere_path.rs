@@ -65,18 +65,18 @@ pub(crate) struct NegPolyHit {
     pub(crate) normal: Vec3,
 }
 
-/// The candidate that the local foot sphere was worked out for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct LocalKey {
-    origin: Vec3,
-    cell: CellId,
-}
-
 /// A cell and an origin in the frame of its landblock. Rotations are kept apart: within a step they are constant.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pose {
     pub(crate) cell: CellId,
-    pub(crate) origin: Vec3,
+    pub(crate) origin: Lanes,
+}
+
+impl Pose {
+    #[inline(always)]
+    pub(crate) fn origin(&self) -> Vec3 {
+        self.origin.xyz()
+    }
 }
 
 /// The local points of the mover, rotated: what to add to an origin to place them.
@@ -110,19 +110,22 @@ impl Arms {
 pub(crate) struct SpherePath<'w> {
     pub(crate) num_sphere: usize,
     pub(crate) local_sphere: [Sphere; 2],
-    pub(crate) global_sphere: [Sphere; 2],
-    pub(crate) global_low_point: Vec3,
-    /// The foot sphere in the space of the geometry being tested.
-    pub(crate) localspace_foot: Sphere,
+    /// Centres, radii in the fourth lanes.
+    pub(crate) global_sphere: [Lanes; 2],
+    pub(crate) global_low_point: Lanes,
+    /// The foot sphere in the space of the geometry being tested, its radius in the fourth lane.
+    pub(crate) localspace_foot: Lanes,
     pub(crate) localspace: LocalSpace<'w>,
-    pub(crate) localspace_z: Vec3,
-    localspace_key: LocalKey,
+    pub(crate) localspace_z: Lanes,
+    /// The candidate that `localspace_foot` was worked out for.
+    localspace_key: Pose,
     /// The sweep has a begin position, and it is indoors.
     pub(crate) began_indoors: bool,
     pub(crate) curr_cell: Option<CellRef<'w>>,
     pub(crate) curr_pos: Pose,
     pub(crate) curr_rotation: Quat,
-    pub(crate) global_curr_center: [Vec3; 2],
+    /// The spheres of the accepted pose.
+    global_curr_sphere: [Lanes; 2],
     pub(crate) check_cell: Option<CellRef<'w>>,
     pub(crate) check_pos: Pose,
     pub(crate) check_rotation: Quat,
@@ -147,6 +150,12 @@ pub(crate) struct SpherePath<'w> {
     pub(crate) placement_allows_sliding: bool,
 }
 
+/// No candidate: not equal to any.
+const NO_KEY: Pose = Pose {
+    cell: CellId::NONE,
+    origin: Lanes::splat(f32::NAN),
+};
+
 impl<'w> SpherePath<'w> {
     /// A path for a mover of one or two spheres at `at`, in `cell`, that has begun a move (or is to be placed
     /// there) (retail `init_sphere` and `init_path`).
@@ -161,7 +170,7 @@ impl<'w> SpherePath<'w> {
         let arms = Arms::of(&at.frame, local_sphere);
         let pose = Pose {
             cell: at.cell,
-            origin: at.frame.origin,
+            origin: at.frame.origin.into(),
         };
         let space = LocalSpace {
             cell: CellId::NONE,
@@ -169,27 +178,21 @@ impl<'w> SpherePath<'w> {
             scale: 1.0,
         };
         let began_indoors = insert_type == InsertType::Transition && at.cell.is_indoor();
-        let centers = arms.center.map(|arm| pose.origin + arm.xyz());
+        let spheres = arms.center.map(|arm| pose.origin + arm);
         SpherePath {
             num_sphere,
             local_sphere: *local_sphere,
-            global_sphere: [
-                Sphere::new(centers[0], local_sphere[0].radius),
-                Sphere::new(centers[1], local_sphere[1].radius),
-            ],
-            global_low_point: pose.origin + arms.low.xyz(),
-            localspace_foot: Sphere::default(),
+            global_sphere: spheres,
+            global_low_point: pose.origin + arms.low,
+            localspace_foot: Lanes::ZERO,
             localspace: space,
-            localspace_z: UP,
-            localspace_key: LocalKey {
-                origin: Vec3::NAN,
-                cell: CellId::NONE,
-            },
+            localspace_z: UP.into(),
+            localspace_key: NO_KEY,
             began_indoors,
             curr_cell: cell,
             curr_pos: pose,
             curr_rotation: at.frame.rotation(),
-            global_curr_center: centers,
+            global_curr_sphere: spheres,
             check_cell: cell,
             check_pos: pose,
             check_rotation: at.frame.rotation(),
@@ -225,7 +228,7 @@ impl<'w> SpherePath<'w> {
 
     /// Turns the candidate. Its spheres follow when it is next set (3.5.4).
     pub(crate) fn set_check_rotation(&mut self, rotation: Quat) {
-        self.localspace_key.origin = Vec3::NAN;
+        self.localspace_key = NO_KEY;
         self.check_rotation = rotation;
         self.check_arms = Arms::of(&Frame::new(Vec3::ZERO, rotation), &self.local_sphere);
     }
@@ -235,16 +238,15 @@ impl<'w> SpherePath<'w> {
     pub(crate) fn set_check_pos(&mut self, pos: Pose, cell: Option<CellRef<'w>>) {
         self.check_pos = pos;
         self.check_cell = cell;
-        self.global_sphere[0].center = pos.origin + self.check_arms.center[0].xyz();
-        self.global_sphere[1].center = pos.origin + self.check_arms.center[1].xyz();
-        self.global_low_point = pos.origin + self.check_arms.low.xyz();
+        self.global_sphere = self.check_arms.center.map(|arm| pos.origin + arm);
+        self.global_low_point = pos.origin + self.check_arms.low;
     }
 
     /// Puts the candidate back to the accepted pose.
     #[inline]
     pub(crate) fn set_check_to_curr(&mut self) {
         if self.check_rotation != self.curr_rotation {
-            self.localspace_key.origin = Vec3::NAN;
+            self.localspace_key = NO_KEY;
             self.check_rotation = self.curr_rotation;
             self.check_arms = self.curr_arms;
         }
@@ -258,15 +260,14 @@ impl<'w> SpherePath<'w> {
         self.curr_cell = self.check_cell;
         self.curr_rotation = self.check_rotation;
         self.curr_arms = self.check_arms;
-        self.global_curr_center[0] = self.curr_pos.origin + self.curr_arms.center[0].xyz();
-        self.global_curr_center[1] = self.curr_pos.origin + self.curr_arms.center[1].xyz();
+        self.global_curr_sphere = self.curr_arms.center.map(|arm| self.curr_pos.origin + arm);
     }
 
     /// Whether candidate and accepted pose are equal within epsilon (1.3.3).
     #[inline]
     pub(crate) fn is_check_at_curr(&self) -> bool {
         let close = |a: f32, b: f32| (a - b).abs() < EPSILON;
-        let (a, b) = (self.check_pos.origin, self.curr_pos.origin);
+        let (a, b) = (self.check_pos.origin(), self.curr_pos.origin());
         let (p, q) = (self.check_rotation, self.curr_rotation);
         self.check_pos.cell == self.curr_pos.cell
             && close(a.x, b.x)
@@ -280,10 +281,40 @@ impl<'w> SpherePath<'w> {
 
     #[inline]
     pub(crate) fn add_offset_to_check_pos(&mut self, v: Vec3) {
+        self.shift(v.into());
+    }
+
+    /// As [`SpherePath::add_offset_to_check_pos`]; the fourth lane is zero.
+    #[inline(always)]
+    pub(crate) fn shift(&mut self, v: Lanes) {
         self.check_pos.origin += v;
-        self.global_sphere[0].center += v;
-        self.global_sphere[1].center += v;
+        self.global_sphere[0] += v;
+        self.global_sphere[1] += v;
         self.global_low_point += v;
+    }
+
+    /// Centre of sphere `i` of the candidate.
+    #[inline(always)]
+    pub(crate) fn center(&self, i: usize) -> Vec3 {
+        self.global_sphere[i].xyz()
+    }
+
+    /// Centre of sphere `i` of the accepted pose.
+    #[inline(always)]
+    pub(crate) fn curr_center(&self, i: usize) -> Vec3 {
+        self.global_curr_sphere[i].xyz()
+    }
+
+    /// The candidate's spheres.
+    #[inline(always)]
+    pub(crate) fn spheres(&self) -> [Sphere; 2] {
+        self.global_sphere.map(Sphere::from)
+    }
+
+    /// The radius of the foot sphere, metres.
+    #[inline(always)]
+    pub(crate) fn foot_radius(&self) -> f32 {
+        self.global_sphere[0].fourth()
     }
 
     /// Names the candidate's cell, re-basing the candidate to the cell's landblock when the cell is outdoors.
@@ -333,78 +364,75 @@ impl<'w> SpherePath<'w> {
     /// How far sphere 0 has moved since the accepted pose.
     #[inline]
     pub(crate) fn foot_displacement(&self) -> Vec3 {
-        self.block_offset_curr_check() + self.global_sphere[0].center - self.global_curr_center[0]
+        self.block_offset_curr_check() + self.center(0) - self.curr_center(0)
     }
 
     /// Goes to the space of some geometry and expresses the foot sphere in it (retail
     /// `cache_localspace_sphere`). What else is needed there is worked out when it is.
     #[inline(always)]
     pub(crate) fn cache_localspace_sphere(&mut self, space: LocalSpace<'w>) {
-        let key = LocalKey {
-            origin: self.check_pos.origin,
-            cell: self.check_pos.cell,
-        };
+        let (key, now) = (self.localspace_key, self.check_pos);
+        let same_candidate = key.cell == now.cell && key.origin.all_equal(now.origin);
         let same_space = core::ptr::eq(self.localspace.frame, space.frame)
             && self.localspace.cell == space.cell
             && self.localspace.scale == space.scale;
-        if same_space && self.localspace_key == key {
+        if same_space && same_candidate {
             return;
         }
-        self.localspace_key = key;
+        self.localspace_key = now;
         if !same_space {
             self.localspace = space;
-            self.localspace_z = space.frame.up().xyz();
+            self.localspace_z = space.frame.up();
         }
         self.localspace_foot = self.localspace_check_sphere(0);
     }
 
     /// Sphere `i` of the candidate in the space of the geometry being tested, divided by its scale.
     #[inline(always)]
-    fn localspace_check_sphere(&self, i: usize) -> Sphere {
-        let center = self.to_localspace(self.check_pos, self.check_arms.center[i].xyz());
+    fn localspace_check_sphere(&self, i: usize) -> Lanes {
+        let center = self.to_localspace(self.check_pos, self.check_arms.center[i]);
         let radius = self.local_sphere[i].radius;
         let scale = self.localspace.scale;
-        Sphere::new(
-            center,
-            if scale == 1.0 {
-                radius
-            } else {
-                1.0 / scale * radius
-            },
-        )
+        center.with_fourth(if scale == 1.0 {
+            radius
+        } else {
+            1.0 / scale * radius
+        })
     }
 
     /// The head sphere in the space of the geometry being tested.
     #[inline(always)]
-    pub(crate) fn localspace_head(&self) -> Sphere {
+    pub(crate) fn localspace_head(&self) -> Lanes {
         self.localspace_check_sphere(1)
     }
 
     /// The foot sphere's centre at the accepted pose, in the space of the geometry being tested.
     #[inline(always)]
     pub(crate) fn localspace_curr_foot(&self) -> Vec3 {
-        self.to_localspace(self.curr_pos, self.curr_arms.center[0].xyz())
+        self.to_localspace(self.curr_pos, self.curr_arms.center[0]).xyz()
     }
 
     #[inline(always)]
-    fn to_localspace(&self, pose: Pose, arm: Vec3) -> Vec3 {
+    fn to_localspace(&self, pose: Pose, arm: Lanes) -> Lanes {
         let space = &self.localspace;
         if pose.cell.block() != space.cell.block() || space.scale != 1.0 {
             return self.to_other_localspace(pose, arm);
         }
-        space.frame.global_to_local(pose.origin + arm)
+        space
+            .frame
+            .turned_in(pose.origin + arm - Lanes::from(space.frame.origin))
     }
 
     /// The rarer case: of another landblock, or scaled.
     #[inline(never)]
-    fn to_other_localspace(&self, pose: Pose, arm: Vec3) -> Vec3 {
+    fn to_other_localspace(&self, pose: Pose, arm: Lanes) -> Lanes {
         let space = &self.localspace;
-        let p = block_offset(space.cell.block(), pose.cell.block()) + (pose.origin + arm);
-        let local = space.frame.global_to_local(p);
+        let p = block_offset(space.cell.block(), pose.cell.block()) + (pose.origin + arm).xyz();
+        let local = Lanes::from(space.frame.global_to_local(p));
         if space.scale == 1.0 {
             local
         } else {
-            1.0 / space.scale * local
+            local * (1.0 / space.scale)
         }
     }
 
@@ -412,8 +440,8 @@ impl<'w> SpherePath<'w> {
     #[inline]
     pub(crate) fn candidate(&self) -> Candidate {
         Candidate {
-            origin: self.check_pos.origin.into(),
-            spheres: self.global_sphere.map(Lanes::from),
+            origin: self.check_pos.origin,
+            spheres: self.global_sphere,
         }
     }
 
@@ -438,7 +466,7 @@ impl<'w> SpherePath<'w> {
             bsp,
             face,
             check_pos: sphere,
-            up: self.localspace_z,
+            up: self.localspace_z.xyz(),
             space: self.localspace,
         });
     }

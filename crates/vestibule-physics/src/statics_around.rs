@@ -2,9 +2,9 @@
 //! (`transition.md` 8.2).
 
 use glam::Vec3;
-use vestibule_world::{CellId, CylSphere, ShadowLists, Sphere, StaticObject, StaticReach, World};
+use vestibule_world::{CellId, CylSphere, Lanes, ShadowLists, Sphere, StaticObject, StaticReach, World};
 
-use crate::candidate::{Candidate, Shape, distance_to_sphere, distance_to_statics};
+use crate::candidate::{Candidate, Shape, distance_to_statics};
 use crate::cylsphere::overlaps_cylinder;
 use crate::plain_step::PlainStep;
 use crate::sphere::overlaps_sphere;
@@ -35,8 +35,12 @@ impl PlainStep<'_> {
 impl PlainStep<'_> {
     /// How far a pose may be shifted before it comes near what is within `reach`, metres.
     pub(crate) fn distance_to_reach(&self, reach: &StaticReach, pose: &Candidate) -> f32 {
-        distance_to_sphere(&reach.sphere, reach.stretch, &self.shape, pose)
+        distance_to_reach(reach, &self.shape, pose)
     }
+}
+
+fn distance_to_reach(reach: &StaticReach, shape: &Shape, pose: &Candidate) -> f32 {
+    reach.distance(pose.spheres.map(Lanes::xyz), shape.larger_radius())
 }
 
 /// See [`PlainStep::objects_around`].
@@ -66,7 +70,7 @@ fn clears_statics(
     placing: bool,
 ) -> bool {
     lists.with_reaches(cell).all(|(r, reach)| {
-        if distance_to_sphere(&reach.sphere, reach.stretch, shape, pose) > 0.0 {
+        if distance_to_reach(reach, shape, pose) > 0.0 {
             return true;
         }
         let Some(object) = world.static_object(r) else {

@@ -1,19 +1,34 @@
 //! Stepping up, stepping down and asking for ground (`transition.md` 5.7 to 5.9).
 
 use glam::Vec3;
-use vestibule_world::{EnvCell, Sphere};
+use vestibule_world::{EnvCell, Landblock, Lanes, PhysicsBsp};
 
-use crate::candidate::down;
+use crate::bsp_tree::Floor;
+use crate::candidate::{Candidate, down};
 use crate::constants::{
     DEFAULT_STEP_HEIGHT, FLOOR_Z, MAX_INSERTION_DEPTH, STEP_DOWN_ATTEMPTS, Z_FOR_LANDING,
 };
 use crate::flags::ObjectState;
-use crate::plain_step::{find_open_floor, search_below};
+use crate::plain_step::search_below;
 use crate::polygon;
-use crate::sphere_path::CellRef;
+use crate::sphere_path::{CellRef, LocalSpace, Walkable};
 use crate::transition::{InsertType, Transition, TransitionState};
 
-impl Transition<'_, '_> {
+/// Where the floor of a room lifts a lowered candidate.
+struct Lift<'w> {
+    cell: &'w EnvCell,
+    block: &'w Landblock,
+    bsp: &'w PhysicsBsp,
+    floor: Floor<'w>,
+    /// The floor's plane in the frame of the cell's landblock.
+    plane: Lanes,
+    /// What takes the lowered candidate back up.
+    offset: Lanes,
+    /// The candidate, lifted.
+    at: Candidate,
+}
+
+impl<'w> Transition<'w, '_> {
     /// Tries to get onto what has the normal `n`. Nothing is lifted here: the search for ground below lifts a
     /// sphere that overlaps it (5.7).
     pub(crate) fn step_up(&mut self, n: Vec3) -> bool {
@@ -38,19 +53,43 @@ impl Transition<'_, '_> {
 
     /// Lowers the candidate by `h` and lets ground lift it again. Nothing is restored on failure (5.8).
     pub(crate) fn step_down(&mut self, h: f32, z: f32) -> bool {
-        self.step_down_in_the_open(h, z) || self.step_down_onto_walkable(h, z)
+        let lift = self.lift_from_below(h, z);
+        if let Some(lift) = &lift
+            && self.comes_to_rest_on(lift, z)
+        {
+            self.begin_step_down(h);
+            self.lift_onto(lift);
+            self.build_cell_array(true);
+            return true;
+        }
+        self.step_down_lifted(lift, h, z)
     }
 
     /// As [`Transition::step_down`], leaving the polygon stood on to be read.
     pub(crate) fn step_down_onto_walkable(&mut self, h: f32, z: f32) -> bool {
+        let lift = self.lift_from_below(h, z);
+        self.step_down_lifted(lift, h, z)
+    }
+
+    fn begin_step_down(&mut self, h: f32) {
         self.path.neg_poly_hit = None;
-        self.path.step_down = true;
         self.path.step_down_amt = h;
         self.path.walk_interp = 1.0;
         if !self.path.step_up {
-            self.path.add_offset_to_check_pos(Vec3::new(0.0, 0.0, -h));
+            self.path.shift(down(h));
         }
-        let ts = self.transitional_insert(STEP_DOWN_ATTEMPTS);
+    }
+
+    /// What remains of a step down once it is known where the floor of the own room lifts the candidate, if it does.
+    fn step_down_lifted(&mut self, lift: Option<Lift<'w>>, h: f32, z: f32) -> bool {
+        self.begin_step_down(h);
+        let mut adjusted = 0;
+        if let Some(lift) = &lift {
+            self.lift_onto(lift);
+            adjusted = 1;
+        }
+        self.path.step_down = true;
+        let ts = self.insert_adjusted(STEP_DOWN_ATTEMPTS, adjusted);
         self.path.step_down = false;
         if ts != TransitionState::Ok
             || !self.info.contact.valid
@@ -64,9 +103,97 @@ impl Transition<'_, '_> {
             return true;
         }
         let pushed = core::mem::replace(&mut self.path.insert_type, InsertType::Placement);
-        let ts = self.transitional_insert(1);
+        let ts = self.insert_once();
         self.path.insert_type = pushed;
         ts == TransitionState::Ok
+    }
+
+    /// Where the floor of the candidate's own room lifts it in a step down (6.11.1), the first thing that happens in
+    /// it; `None` also where that is not easily told.
+    fn lift_from_below(&self, h: f32, z: f32) -> Option<Lift<'w>> {
+        let CellRef::Env { cell, block } = self.path.check_cell? else {
+            return None;
+        };
+        let path = &self.path;
+        if path.collide
+            || !self.keeps_shape
+            || path.insert_type != InsertType::Transition
+            || path.walkable_allowance != z
+            || path.check_walkable
+            || self.depth >= MAX_INSERTION_DEPTH
+            || cell.restriction.is_some()
+            || cell.id != path.check_pos.cell
+            || self.world.settings().exact
+        {
+            return None;
+        }
+        let (shape, mut at) = (path.shape(), path.candidate());
+        if !path.step_up {
+            at.shift(down(h));
+        }
+        let (bsp, floor, local) = search_below(cell, &shape, &at, h, z)?;
+        let plane = match cell.hints.only_floor() {
+            Some(plane) if floor.only => plane,
+            _ => cell.frame.plane_out(&floor.face.plane),
+        };
+        let offset = cell.frame.turned_out(floor.sphere - local);
+        at.shift(offset);
+        Some(Lift {
+            cell,
+            block,
+            bsp,
+            floor,
+            plane,
+            offset,
+            at,
+        })
+    }
+
+    /// The candidate, lowered, comes to rest on a floor for the time being.
+    fn lift_onto(&mut self, lift: &Lift<'w>) {
+        self.path.shift(lift.offset);
+        self.path.walk_interp = lift.floor.walk_interp;
+        self.path.obstruction_ethereal = false;
+        self.info.set_contact(lift.plane.plane(), false, lift.cell.id);
+        self.path.walkable = Some(Walkable {
+            bsp: lift.bsp,
+            face: lift.floor.face,
+            check_pos: lift.floor.sphere.into(),
+            up: lift.cell.frame.up().xyz(),
+            space: LocalSpace {
+                cell: lift.cell.id,
+                frame: &lift.cell.frame,
+                scale: 1.0,
+            },
+        });
+    }
+
+    /// Whether a step down certainly ends where the floor lifts the candidate: on walkable ground, touching nothing
+    /// else.
+    fn comes_to_rest_on(&self, lift: &Lift<'w>, z: f32) -> bool {
+        let (cell, block, at) = (lift.cell, lift.block, lift.at.spheres[0]);
+        if lift.plane.z() < z || !self.built.holds(cell.id, at) {
+            return false;
+        }
+        let shape = self.path.shape();
+        let edge_slide = self
+            .object
+            .state
+            .has(ObjectState::EDGE_SLIDE | ObjectState::ON_WALKABLE);
+        if edge_slide && !self.path.step_up {
+            let (face, half) = (lift.floor.face, shape.arms[0].fourth() * 0.5);
+            let edges = lift.bsp.edges(face);
+            if !polygon::check_walkable(face, edges, lift.floor.sphere, half, cell.frame.up()) {
+                return false;
+            }
+        }
+        let others = self.other_rooms();
+        self.has_no_objects_near(cell.id, block, at)
+            && others
+                .iter()
+                .all(|other| self.has_no_objects_near(other.id, block, at))
+            && lift.at.rests_in(&shape, cell)
+            && lift.at.rests_beside(&shape, block, others)
     }
 
     /// Whether a step up certainly finds no ground: the candidate reaches nothing but rooms, and no floor of any.
@@ -84,7 +211,7 @@ impl Transition<'_, '_> {
             return false;
         }
         self.build_cell_array(true);
-        if !self.is_array_certain() || !self.has_statics_afar(cell.id, block) {
+        if !self.is_array_certain() || !self.has_objects_afar(cell.id, block) {
             return false;
         }
         let (shape, at) = (self.path.shape(), self.path.candidate());
@@ -95,9 +222,9 @@ impl Transition<'_, '_> {
         for entry in self.other_rooms() {
             let other = block.env_cell(entry.id);
             let is_bare = |other: &EnvCell| {
-                let center = at.spheres[0].xyz();
+                let foot = at.spheres[0];
                 other.restriction.is_none()
-                    && self.has_no_objects_near(other.id, block, center)
+                    && self.has_no_objects_near(other.id, block, foot)
                     && !finds_floor(other)
             };
             if !other.is_some_and(is_bare) {
@@ -111,55 +238,6 @@ impl Transition<'_, '_> {
         true
     }
 
-    /// As [`Transition::step_down`] where the candidate certainly comes to rest on a floor of its own room, touching
-    /// nothing else; otherwise nothing is done. The polygon stood on is not noted.
-    fn step_down_in_the_open(&mut self, h: f32, z: f32) -> bool {
-        let Some(CellRef::Env { cell, block }) = self.path.check_cell else {
-            return false;
-        };
-        let path = &self.path;
-        if path.step_up
-            || path.collide
-            || !self.keeps_shape
-            || path.insert_type != InsertType::Transition
-            || path.walkable_allowance != z
-            || self.depth >= MAX_INSERTION_DEPTH
-            || cell.restriction.is_some()
-            || cell.id != path.check_pos.cell
-            || !self.is_array_certain()
-        {
-            return false;
-        }
-        let (shape, mut lowered) = (path.shape(), path.candidate());
-        lowered.shift(down(h));
-        let edge_slide = self.object.is(ObjectState::EDGE_SLIDE);
-        let supported = edge_slide && self.object.is(ObjectState::ON_WALKABLE);
-        let Some(floor) = find_open_floor(cell, &shape, &mut lowered, h, z, supported) else {
-            return false;
-        };
-        let at = lowered.spheres[0].xyz();
-        let others = self.other_rooms();
-        if !lowered.rests_in(&shape, cell)
-            || !self.built.holds(cell.id, at)
-            || !lowered.rests_beside(&shape, block, others)
-            || !self.has_no_objects_near(cell.id, block, at)
-            || !others
-                .iter()
-                .all(|other| self.has_no_objects_near(other.id, block, at))
-        {
-            return false;
-        }
-        self.path.neg_poly_hit = None;
-        self.path.step_down_amt = h;
-        self.path.add_offset_to_check_pos(Vec3::new(0.0, 0.0, -h));
-        self.path.add_offset_to_check_pos(floor.offset.xyz());
-        self.path.walk_interp = floor.walk_interp;
-        self.path.obstruction_ethereal = false;
-        self.info.set_contact(floor.plane.plane(), false, cell.id);
-        self.build_cell_array(true);
-        true
-    }
-
     /// Whether a placement insertion of the candidate certainly finds nothing: alone in open space, in contact.
     #[inline(always)]
     fn is_placement_certain(&self) -> bool {
@@ -167,17 +245,20 @@ impl Transition<'_, '_> {
             return false;
         };
         let path = &self.path;
-        let clear = |s: &Sphere| cell.hints.certainly_clear(s.center.into(), s.radius);
+        let clear = |i: usize| {
+            let s = path.global_sphere[i];
+            cell.hints.certainly_clear(s, s.fourth())
+        };
         self.info.contact.valid
             && self.keeps_shape
             && !path.collide
             && cell.id == path.check_pos.cell
             && cell.restriction.is_none()
             && cell.hints.open_is_hollow()
-            && clear(&path.global_sphere[0])
-            && (path.num_sphere < 2 || clear(&path.global_sphere[1]))
+            && clear(0)
+            && (path.num_sphere < 2 || clear(1))
             && self.is_calm()
-            && self.has_no_objects_near(cell.id, block, path.global_sphere[0].center)
+            && self.has_no_objects_near(cell.id, block, path.global_sphere[0])
     }
 
     /// Whether there is still ground under the candidate (5.9).
@@ -190,15 +271,15 @@ impl Transition<'_, '_> {
         self.path.walkable_allowance = z;
         self.path.check_walkable = true;
         let mut h = self.object.step_down_height;
-        let r = self.path.global_sphere[0].radius;
+        let r = self.path.foot_radius();
         if self.path.num_sphere < 2 && h > 2.0 * r {
             h = r / 2.0;
         }
         if h > 2.0 * r {
             h /= 2.0;
         }
-        self.path.add_offset_to_check_pos(Vec3::new(0.0, 0.0, -h));
-        let ts = self.transitional_insert(1);
+        self.path.shift(down(h));
+        let ts = self.insert_once();
         self.path.check_walkable = false;
         self.path.set_check_pos(pos, cell);
         ts != TransitionState::Ok

@@ -8,13 +8,14 @@ use crate::collision_info::CollisionInfo;
 use crate::constants::{DUMMY_SPHERE_RADIUS, STEP_HEIGHT_WITHOUT_SETUP};
 use crate::error::SweepError;
 use crate::flags::{ObjectKind, ObjectState, PhysicsState};
+use crate::near_statics::NearStatics;
 use crate::obj_collisions::{ObjectRef, Target};
 use crate::object_info::{ObjectInfo, is_walkable_z};
 use crate::plain_step::plain_step;
 use crate::plain_walls::Known;
 use crate::population::{BodyId, Event, Population};
 use crate::sphere_path::SpherePath;
-use crate::transition::{BuiltArray, InsertType, StaticsCalm, Transition, calc_num_steps, cell_ref};
+use crate::transition::{BuiltArray, InsertType, Transition, calc_num_steps, cell_ref};
 
 /// A plane a body is in contact with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -472,11 +473,7 @@ pub(crate) fn begin<'w, 's>(
         cell_array: &mut scratch.cell_array,
         built: BuiltArray::NONE,
         keeps_shape: true,
-        statics_calm: StaticsCalm {
-            cell: CellId::NONE,
-            center: Vec3::ZERO,
-            reach: 0.0,
-        },
+        near_statics: [NearStatics::NONE; 2],
         touched: &mut scratch.touched,
         depth: 0,
     }
@@ -489,9 +486,9 @@ impl Transition<'_, '_> {
         let (path, info) = (&self.path, &self.info);
         let pose = path.curr_pos;
         let mut frame = *end;
-        frame.origin = pose.origin;
+        frame.origin = pose.origin();
         if path.curr_rotation != end.rotation() {
-            frame = Frame::new(pose.origin, path.curr_rotation);
+            frame = Frame::new(pose.origin(), path.curr_rotation);
         }
         let position = Position {
             cell: pose.cell,

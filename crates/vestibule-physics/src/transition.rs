@@ -8,6 +8,7 @@ use crate::collision_info::CollisionInfo;
 use crate::constants::{EPSILON, MOVE_ATTEMPTS};
 use crate::flags::ObjectState;
 use crate::math::{interpolate_rotation, length};
+use crate::near_statics::NearStatics;
 use crate::object_info::ObjectInfo;
 use crate::population::Population;
 use crate::settings::Settings;
@@ -90,19 +91,10 @@ impl BuiltArray {
 
     /// Whether the array is certainly right for a candidate in the cell `seed` whose foot sphere is at `foot`.
     #[inline(always)]
-    pub(crate) fn holds(&self, seed: CellId, foot: Vec3) -> bool {
-        let shift = Lanes::from(foot) - self.centers[0];
+    pub(crate) fn holds(&self, seed: CellId, foot: Lanes) -> bool {
+        let shift = foot - self.centers[0];
         self.seed == seed && shift.dot(shift) < self.reach
     }
-}
-
-/// Where the mover is certainly out of reach of a cell's static objects.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct StaticsCalm {
-    pub(crate) cell: CellId,
-    pub(crate) center: Vec3,
-    /// How far the foot sphere may have been shifted, squared.
-    pub(crate) reach: f32,
 }
 
 /// A sweep in progress. It reads the world and the population and writes only what it owns.
@@ -116,7 +108,8 @@ pub(crate) struct Transition<'w, 's> {
     /// Shared by all nested insertions; the cell found is not (5.3).
     pub(crate) cell_array: &'s mut CellArray,
     pub(crate) built: BuiltArray,
-    pub(crate) statics_calm: StaticsCalm,
+    /// In the own cell and in another.
+    pub(crate) near_statics: [NearStatics<'w>; 2],
     /// The mover does not turn during the sweep.
     pub(crate) keeps_shape: bool,
     pub(crate) touched: &'s mut Vec<Touch>,
@@ -178,7 +171,7 @@ impl<'w> Transition<'w, '_> {
     #[inline(always)]
     pub(crate) fn is_array_certain(&self) -> bool {
         self.built
-            .holds(self.path.check_pos.cell, self.path.global_sphere[0].center)
+            .holds(self.path.check_pos.cell, self.path.global_sphere[0])
     }
 
     /// Whether the candidate certainly touches its own cell only.
@@ -208,8 +201,9 @@ impl<'w> Transition<'w, '_> {
     fn build_any_cell_array(&mut self, want_cell: bool) {
         let path = &self.path;
         let seed = path.check_pos.cell;
-        let spheres = &path.global_sphere[..path.num_sphere];
-        let centers = path.global_sphere.map(Lanes::from);
+        let all = path.spheres();
+        let spheres = all.get(..path.num_sphere).unwrap_or(&all);
+        let centers = path.global_sphere;
         let built = &self.built;
         let same = built.seed == seed && built.centers == centers && (built.want_cell || !want_cell);
         if same && !self.world.settings().exact {
@@ -225,7 +219,7 @@ impl<'w> Transition<'w, '_> {
         let found = find_cell_list(
             self.world,
             seed,
-            path.check_pos.origin,
+            path.check_pos.origin(),
             spheres,
             self.cell_array,
             want_cell,

@@ -19,6 +19,12 @@ struct Beginning {
 impl<'w> Transition<'w, '_> {
     /// Tries the candidate up to `n` times, as each attempt may move it (5.1).
     pub(crate) fn transitional_insert(&mut self, n: u32) -> TransitionState {
+        self.insert_adjusted(n, 0)
+    }
+
+    /// As [`Transition::transitional_insert`] where the first attempt has been adjusted by the own cell already,
+    /// `adjusted` times.
+    pub(crate) fn insert_adjusted(&mut self, n: u32, adjusted: u32) -> TransitionState {
         if self.path.check_cell.is_none() {
             return TransitionState::Ok;
         }
@@ -26,16 +32,41 @@ impl<'w> Transition<'w, '_> {
             return TransitionState::Collided;
         }
         self.depth += 1;
-        let ts = self.insert_attempts(n);
+        let ts = self.insert_attempts(n, adjusted);
         self.depth -= 1;
         ts
     }
 
-    fn insert_attempts(&mut self, n: u32) -> TransitionState {
+    /// As [`Transition::transitional_insert`] with a single attempt.
+    pub(crate) fn insert_once(&mut self) -> TransitionState {
+        let Some(cell) = self.path.check_cell else {
+            return TransitionState::Ok;
+        };
+        let usual = self.info.contact.valid && !self.path.collide && self.path.neg_poly_hit.is_none();
+        if !usual
+            || self.depth >= MAX_INSERTION_DEPTH
+            || self.path.insert_type == InsertType::InitialPlacement
+        {
+            return self.transitional_insert(1);
+        }
+        // Steps up may insert again.
+        self.depth += 1;
+        let mut ts = self.find_collisions_in_cell(cell);
+        match ts {
+            TransitionState::Ok => ts = self.check_other_cells(self.path.check_cell),
+            TransitionState::Slid => self.info.clear_contact_plane(),
+            _ => {}
+        }
+        self.depth -= 1;
+        ts
+    }
+
+    fn insert_attempts(&mut self, n: u32, mut adjusted: u32) -> TransitionState {
         let mut ts = TransitionState::Invalid;
         for _ in 0..n {
             let before = self.beginning();
-            ts = self.insert_into_cell(self.path.check_cell, n);
+            ts = self.insert_into_cell(self.path.check_cell, n - adjusted);
+            adjusted = 0;
             match ts {
                 TransitionState::Ok => {
                     // The insertion may have moved the candidate to another cell.
@@ -187,8 +218,13 @@ impl<'w> Transition<'w, '_> {
         // The candidate leaves the known world; an interior id passes as it is.
         let mut pos = self.path.check_pos;
         if !pos.cell.is_indoor() {
-            match pos.cell.adjust_to_outside(pos.origin) {
-                Some((cell, origin)) => pos = Pose { cell, origin },
+            match pos.cell.adjust_to_outside(pos.origin()) {
+                Some((cell, origin)) => {
+                    pos = Pose {
+                        cell,
+                        origin: origin.into(),
+                    }
+                }
                 None => return TransitionState::Collided,
             }
         }
@@ -233,7 +269,7 @@ impl<'w> Transition<'w, '_> {
         };
         self.path.walkable_allowance = z;
         self.path.save_check_pos();
-        let r = self.path.global_sphere[0].radius;
+        let r = self.path.foot_radius();
         if self.path.num_sphere < 2 && 2.0 * r < h {
             h = r / 2.0;
         }

@@ -1,7 +1,7 @@
 //! Accepting or rejecting a step: the only place where a move advances (`transition.md` 5.11).
 
 use glam::Vec3;
-use vestibule_world::Plane;
+use vestibule_world::{Plane, Sphere};
 
 use crate::constants::EPSILON;
 use crate::flags::ObjectState;
@@ -62,11 +62,11 @@ impl Transition<'_, '_> {
     fn touches_last_known_plane(&self) -> bool {
         let last = &self.info.last_known;
         let center = if self.settings.retail_missing_block_offsets {
-            self.path.global_curr_center[0]
+            self.path.curr_center(0)
         } else {
-            self.path.global_curr_center[0] - self.blk(self.path.curr_pos.cell, last.cell)
+            self.path.curr_center(0) - self.blk(self.path.curr_pos.cell, last.cell)
         };
-        self.path.global_sphere[0].radius + EPSILON > last.plane.dist(center).abs()
+        self.path.foot_radius() + EPSILON > last.plane.dist(center).abs()
     }
 
     /// A falling body that makes no progress lands where it is after three frames (5.11.7).
@@ -81,7 +81,7 @@ impl Transition<'_, '_> {
             _ => STUCK,
         };
         if self.info.frames_stationary_fall == STUCK {
-            let foot = self.path.global_sphere[0];
+            let foot = Sphere::from(self.path.global_sphere[0]);
             let plane = Plane {
                 normal: UP,
                 d: foot.radius - foot.center.z,

@@ -93,7 +93,7 @@ pub use polygon::{Polygon, PolygonSet};
 pub use position::{MapCoordinates, ParseMapCoordinatesError, ParsePositionError, Position, heading_of};
 pub use region::{REGION_RECORD, Region};
 pub use residency::{ResidencySettings, ResidencyStats};
-pub use shadow::{ShadowLists, StaticReach, calc_cross_cells_static, part_bounds};
+pub use shadow::{ReachQuad, ShadowLists, StaticReach, calc_cross_cells_static, part_bounds};
 pub use shape::{
     Aperture, Building, BuildingPortal, Model, Shape, ShapePart, StaticObject, StaticRef, bounding_sphere,
 };

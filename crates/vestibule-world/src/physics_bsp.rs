@@ -143,6 +143,8 @@ pub struct PhysicsBsp {
     polygons: PolygonSet,
     /// Which faces a sphere is near; `None` for large trees.
     quads: Option<BoxQuads>,
+    /// See [`PhysicsBsp::reach`].
+    reach: BoundingBox,
     /// No polygon enters this box; empty when there is none.
     open: LaneBox,
     /// No leaf is solid and has polygons.
@@ -212,10 +214,12 @@ impl PhysicsBsp {
                 max: b.max + Vec3::splat(REACH_SLACK),
             }));
         }
+        let is_hollow = !leaves.iter().any(|l| l.solid && l.count != 0);
         let mut bsp = PhysicsBsp {
             quads: BoxQuads::new(&faces, &reaches),
+            reach: union_of(&reaches).unwrap_or(ENDLESS),
             open: open_box(&boxes).map_or(LaneBox::NOTHING, |b| LaneBox::new(&b)),
-            is_hollow: !leaves.iter().any(|l| l.solid && l.count != 0),
+            is_hollow,
             open_is_hollow: false,
             root,
             nodes: nodes.into(),
@@ -257,7 +261,16 @@ impl PhysicsBsp {
                 }
             }
         }
-        self.open_is_hollow = self.is_hollow_below(self.root);
+        // Centres of spheres keep away from the sides.
+        let inset = Vec3::splat(LEAST_CLEAR_RADIUS - 0.01);
+        let space = self.open.bounds();
+        self.open_is_hollow = self.is_hollow_in(&BoundingBox {
+            min: space.min + inset,
+            max: space.max - inset,
+        });
+        if !self.is_hollow && !self.is_hollow_outside(&self.reach) {
+            self.reach = ENDLESS;
+        }
         self.number_faces();
     }
 
@@ -343,15 +356,28 @@ impl PhysicsBsp {
         }
     }
 
-    fn is_hollow_below(&self, at: Child) -> bool {
-        let mut open = vec![at];
-        // Centres of spheres keep away from the sides.
-        let inset = Vec3::splat(LEAST_CLEAR_RADIUS - 0.01);
-        let space = self.open.bounds();
-        let centers = BoundingBox {
-            min: space.min + inset,
-            max: space.max - inset,
-        };
+    /// Whether no point outside a box is in a leaf that is solid and has polygons.
+    fn is_hollow_outside(&self, space: &BoundingBox) -> bool {
+        /// Larger trees are not looked at.
+        const MAX_NODES: usize = 512;
+        /// Bodies farther off than this are out of everybody's reach, metres.
+        const FAR: f32 = 1e4;
+        self.nodes.len() <= MAX_NODES
+            && (0..3).all(|axis| {
+                let all = BoundingBox {
+                    min: Vec3::splat(-FAR),
+                    max: Vec3::splat(FAR),
+                };
+                let (mut below, mut above) = (all, all);
+                below.max[axis] = space.min[axis];
+                above.min[axis] = space.max[axis];
+                self.is_hollow_in(&below) && self.is_hollow_in(&above)
+            })
+    }
+
+    /// Whether no point in a box is in a leaf that is solid and has polygons.
+    fn is_hollow_in(&self, centers: &BoundingBox) -> bool {
+        let mut open = vec![self.root];
         let mut steps = 0;
         while let Some(at) = open.pop() {
             steps += 1;
@@ -474,6 +500,11 @@ impl PhysicsBsp {
         self.is_hollow || (self.open_is_hollow && self.open.holds_cube(p, LEAST_CLEAR_RADIUS - 0.01 + reach))
     }
 
+    /// Whatever does not reach into this box touches nothing of the tree, nor is it in anything solid.
+    pub(crate) fn reach(&self) -> BoundingBox {
+        self.reach
+    }
+
     /// The box of open space; inside out when there is none.
     pub(crate) fn open_box(&self) -> BoundingBox {
         self.open.bounds()
@@ -506,6 +537,15 @@ const ENDLESS: BoundingBox = BoundingBox {
     min: Vec3::splat(f32::MIN / 4.0),
     max: Vec3::splat(f32::MAX / 4.0),
 };
+
+fn union_of(boxes: &[BoundingBox]) -> Option<BoundingBox> {
+    let mut all = *boxes.first()?;
+    for b in boxes {
+        all.grow(b.min);
+        all.grow(b.max);
+    }
+    Some(all)
+}
 
 /// How far the box that stands for a polygon reaches beyond it: many times the rounding of the tests, metres.
 const REACH_SLACK: f32 = 0.01;

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::cell_array::CellArray;
 use crate::find_cell_list::find_cell_list_of_cylspheres;
-use crate::geometry::Sphere;
+use crate::geometry::{BoundingBox, Sphere};
 use crate::ids::{BlockId, CellId, block_offset};
 use crate::landblock::{LAND_CELLS, Landblock};
 use crate::lanes::Lanes;
@@ -35,10 +35,12 @@ pub struct ShadowLists {
 
 /// Four [`StaticReach`]es of one cell side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct ReachQuad {
+pub struct ReachQuad {
     center: [Lanes; 3],
     radius: Lanes,
     stretch: Lanes,
+    middle: [Lanes; 3],
+    half: [Lanes; 3],
 }
 
 impl ReachQuad {
@@ -47,10 +49,18 @@ impl ReachQuad {
             center: [Lanes::ZERO; 3],
             radius: Lanes::splat(f32::NEG_INFINITY),
             stretch: Lanes::ZERO,
+            middle: [Lanes::ZERO; 3],
+            half: [Lanes::splat(f32::INFINITY); 3],
         };
         for (k, reach) in reaches.iter().enumerate().take(4) {
             for axis in 0..3 {
                 quad.center[axis].set_lane(k, reach.sphere.center[axis]);
+                let (min, max) = (reach.bounds.min[axis], reach.bounds.max[axis]);
+                // What is endless has no middle.
+                if min.is_finite() && max.is_finite() {
+                    quad.middle[axis].set_lane(k, (min + max) * 0.5);
+                    quad.half[axis].set_lane(k, (max - min) * 0.5);
+                }
             }
             quad.radius.set_lane(k, reach.sphere.radius);
             quad.stretch.set_lane(k, reach.stretch);
@@ -67,6 +77,32 @@ impl ReachQuad {
         };
         square(0, p.x) + square(1, p.y) + square(2, p.z)
     }
+
+    /// How far spheres of which `larger` is the largest radius may be shifted before one comes near each of the four
+    /// objects, metres; infinite where there are fewer. `head` is the second centre, if there is one.
+    #[inline(always)]
+    pub fn distances(&self, foot: Vec3, head: Option<Vec3>, larger: f32) -> Lanes {
+        let mut squares = self.squares(foot);
+        if let Some(head) = head {
+            squares = self.squares(head).lesser(squares);
+        }
+        let round = squares.sqrt() - (self.radius + self.stretch * larger);
+        if Lanes::ZERO.less(round) == 0b1111 {
+            return round;
+        }
+        let mut square = self.from_boxes(foot);
+        if let Some(head) = head {
+            square = self.from_boxes(head).lesser(square);
+        }
+        round.greater(square - Lanes::splat(larger))
+    }
+
+    /// How far a point is from the boxes along the axis on which it is farthest.
+    #[inline(always)]
+    fn from_boxes(&self, p: Vec3) -> Lanes {
+        let from = |axis: usize, x: f32| (Lanes::splat(x) - self.middle[axis]).abs() - self.half[axis];
+        from(0, p.x).greater(from(1, p.y)).greater(from(2, p.z))
+    }
 }
 
 /// How far a static object that can be run into reaches, in the frame of the lists' landblock.
@@ -77,6 +113,17 @@ pub struct StaticReach {
     /// A sphere farther from [`StaticReach::sphere`] than its radius times this does not touch the object: tests
     /// against cylinders are square in section.
     pub stretch: f32,
+    /// A sphere that does not reach into this box does not touch the object.
+    pub bounds: BoundingBox,
+}
+
+impl StaticReach {
+    /// How far spheres of which `larger` is the largest radius may be shifted before one comes near the object, metres.
+    pub fn distance(&self, [foot, head]: [Vec3; 2], larger: f32) -> f32 {
+        ReachQuad::new(core::slice::from_ref(self))
+            .distances(foot, Some(head), larger)
+            .lane(0)
+    }
 }
 
 impl ShadowLists {
@@ -113,16 +160,16 @@ impl ShadowLists {
     #[inline(always)]
     pub fn distance(&self, cell: CellId, foot: Vec3, head: Option<Vec3>, larger: f32) -> f32 {
         let mut least = Lanes::splat(f32::INFINITY);
-        let range = range_of(&self.quad_starts, cell);
-        for quad in self.quads.get(range).unwrap_or(&[]) {
-            let mut squares = quad.squares(foot);
-            if let Some(head) = head {
-                squares = quad.squares(head).lesser(squares);
-            }
-            let limits = quad.radius + quad.stretch * larger;
-            least = (squares.sqrt() - limits).lesser(least);
+        for quad in self.quads(cell) {
+            least = quad.distances(foot, head, larger).lesser(least);
         }
         least.least()
+    }
+
+    /// How far the objects of [`ShadowLists::of`] reach, four at a time.
+    #[inline]
+    pub fn quads(&self, cell: CellId) -> &[ReachQuad] {
+        self.quads.get(range_of(&self.quad_starts, cell)).unwrap_or(&[])
     }
 
     /// Whether no static object reaches a cell.
@@ -174,7 +221,11 @@ impl ShadowLists {
                         found.push((
                             slot,
                             StaticRef { block: id, index },
-                            StaticReach { sphere, stretch },
+                            StaticReach {
+                                sphere,
+                                stretch,
+                                bounds: box_of(object, offset),
+                            },
                             bounds,
                         ));
                     }
@@ -259,6 +310,59 @@ fn bounding_sphere_of(object: &StaticObject) -> Sphere {
     }
     Sphere::new(center, radius + 0.02)
 }
+
+/// A box that holds all of an object that can be touched, shifted by `offset`; endless where that is not easily told.
+fn box_of(object: &StaticObject, offset: Vec3) -> BoundingBox {
+    /// For the tolerance of tests and the rounding of frames, metres.
+    const SLACK: Vec3 = Vec3::splat(0.03);
+    let shape = &object.shape;
+    let mut corners: Vec<Vec3> = Vec::new();
+    if shape.has_physics_bsp {
+        for (part, frame) in shape.parts.iter().zip(&object.part_frames) {
+            if let Some(bsp) = part.model.as_ref().and_then(|m| m.physics.as_ref()) {
+                let scale = part.scale.z;
+                if !(scale > 0.0 && scale <= 1.0) {
+                    return ENDLESS;
+                }
+                let reach = bsp.reach().corners();
+                corners.extend(reach.map(|p| frame.local_to_global(p * scale)));
+            }
+        }
+    } else if !shape.cylspheres.is_empty() {
+        for c in &shape.cylspheres {
+            let (low, across) = (
+                object.frame.local_to_global(c.low_point),
+                Vec3::new(c.radius, c.radius, 0.0),
+            );
+            corners.extend([low - across, low + across + Vec3::Z * c.height]);
+        }
+    } else {
+        for s in &shape.spheres {
+            let center = object.frame.local_to_global(s.center);
+            corners.extend([center - s.radius, center + s.radius]);
+        }
+    }
+    let Some(found) = BoundingBox::of(corners.iter().copied()) else {
+        return ENDLESS;
+    };
+    let found = BoundingBox {
+        min: found.min - SLACK + offset,
+        max: found.max + SLACK + offset,
+    };
+    // Farther off rounding is more than the slack.
+    let is_near = |v: Vec3| v.abs().max_element() < 1024.0;
+    if is_near(found.min) && is_near(found.max) {
+        found
+    } else {
+        ENDLESS
+    }
+}
+
+/// Reaches everything.
+const ENDLESS: BoundingBox = BoundingBox {
+    min: Vec3::NEG_INFINITY,
+    max: Vec3::INFINITY,
+};
 
 /// The cells that the static objects of one landblock occupy, with the position of the object, object by object.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -365,6 +469,7 @@ mod tests {
         let reach = |x: f32, stretch: f32| StaticReach {
             sphere: Sphere::new(Vec3::new(x, 0.0, 2.0), 0.5),
             stretch,
+            bounds: ENDLESS,
         };
         let reaches = [
             reach(50.0, 1.0),

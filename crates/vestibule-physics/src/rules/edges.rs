@@ -35,7 +35,7 @@ fn search(
     let mut t = rig.transition(&walker(), &on_level(from.z), from);
     t.path.add_offset_to_check_pos(g);
     t.info.clear_contact_plane();
-    let before = t.path.check_pos.origin;
+    let before = t.path.check_pos.origin();
     t.path.save_check_pos();
     prepare(&mut t);
     t.path.add_offset_to_check_pos(v(0.0, 0.0, -0.5));
@@ -45,7 +45,7 @@ fn search(
     Search {
         ends,
         ts,
-        moved: t.path.check_pos.origin - before,
+        moved: t.path.check_pos.origin() - before,
         contact: t.info.contact.valid,
         walkable: t.path.walkable.is_some(),
         normal: t.info.collision.get(),
@@ -205,7 +205,7 @@ fn precipice(rig: &mut Rig, at: Vec3, g: Vec3) -> (TransitionState, Vec3, Option
     t.info.clear_contact_plane();
     let mut ts = TransitionState::Invalid;
     t.edge_slide(&mut ts, 0.75, FLOOR_Z);
-    let moved = t.path.check_pos.origin - at;
+    let moved = t.path.check_pos.origin() - at;
     (ts, moved, t.info.collision.get(), t.path.walkable.is_some())
 }
 
@@ -249,12 +249,12 @@ fn cliff(cliff: Vec3, floor: Vec3, g: Vec3) -> (TransitionState, Vec3, Option<Ve
     };
     let mut t = rig.transition(&walker(), &carried, v(12.0, 12.0, 5.0));
     t.path.add_offset_to_check_pos(g);
-    let before = t.path.check_pos.origin;
+    let before = t.path.check_pos.origin();
     t.path.save_check_pos();
     touch(&mut t, cliff);
     let mut ts = TransitionState::Invalid;
     assert!(!t.edge_slide(&mut ts, 0.75, FLOOR_Z));
-    (ts, t.path.check_pos.origin - before, t.info.collision.get())
+    (ts, t.path.check_pos.origin() - before, t.info.collision.get())
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn s5_3_the_own_cell_is_not_asked_again_and_the_others_are() {
     let mut t = rig.transition(&walker(), &on_level(0.0), v(12.0, 12.0, -0.05));
     let own = t.path.check_cell;
     assert_eq!(t.check_other_cells(own), TransitionState::Ok);
-    assert_eq!(t.path.check_pos.origin.z, -0.05);
+    assert_eq!(t.path.check_pos.origin().z, -0.05);
     // In the ground of another.
     let mut t = rig.transition(&walker(), &on_level(0.0), v(24.2, 12.0, -0.05));
     let own = t.path.check_cell;
@@ -103,8 +103,8 @@ fn s5_3_3_the_candidate_is_re_based_to_the_cell_that_holds_it() {
         (t.path.check_pos.cell, t.path.check_cell.unwrap().id()),
         (east, east)
     );
-    assert!(close(t.path.check_pos.origin, v(0.5, 12.0, 5.0)));
-    assert!(close(t.path.global_sphere[1].center, v(0.5, 12.0, 6.355)));
+    assert!(close(t.path.check_pos.origin(), v(0.5, 12.0, 5.0)));
+    assert!(close(t.path.center(1), v(0.5, 12.0, 6.355)));
 }
 
 #[test]
@@ -119,7 +119,7 @@ fn s5_3_4_leaving_the_loaded_world_is_fine_but_in_a_step_down() {
         assert!(t.path.check_cell.is_none());
         if !step_down {
             assert_eq!(t.path.check_pos.cell, CellId(0xA8B4_0039));
-            assert!(close(t.path.check_pos.origin, v(191.0, 12.0, 5.0)));
+            assert!(close(t.path.check_pos.origin(), v(191.0, 12.0, 5.0)));
         }
     }
     // The end of the map is the end.
@@ -163,7 +163,7 @@ fn overlapping(
     let sub_mode = t.path.step_down || t.path.step_up;
     let ts = t.transitional_insert(1);
     assert_eq!(t.path.neg_poly_hit.is_some(), sub_mode);
-    (ts, t.path.check_pos.origin - AT, t.path.step_up_normal)
+    (ts, t.path.check_pos.origin() - AT, t.path.step_up_normal)
 }
 
 #[test]
@@ -182,7 +182,7 @@ fn s5_5_a_polygon_overlapped_by_the_foot_is_stepped_over_or_slid_along() {
     let _ = cell;
     let stepped = t.transitional_insert(1);
     assert_eq!(stepped, TransitionState::Ok);
-    assert!((t.path.check_pos.origin.z - 5.3).abs() < 1e-4);
+    assert!((t.path.check_pos.origin().z - 5.3).abs() < 1e-4);
 }
 
 #[test]
@@ -226,7 +226,7 @@ fn s5_4_with_ground_and_room_the_body_has_landed() {
     let mut rig = Rig::flat();
     let (ts, t) = landing(&mut rig, &Carried::default(), true);
     assert_eq!((ts, t.info.contact.valid), (TransitionState::Ok, true));
-    assert_eq!(t.path.check_pos.origin, v(12.0, 12.0, 5.0));
+    assert_eq!(t.path.check_pos.origin(), v(12.0, 12.0, 5.0));
     assert!(!t.info.collision.valid);
 }
 
@@ -235,7 +235,7 @@ fn s5_4_without_ground_it_is_thrown_back_to_where_it_hit() {
     let mut rig = Rig::flat();
     let (ts, t) = landing(&mut rig, &Carried::default(), false);
     assert_eq!((ts, t.info.contact.valid), (TransitionState::Collided, false));
-    assert_eq!(t.path.check_pos.origin, v(12.0, 12.0, 5.2));
+    assert_eq!(t.path.check_pos.origin(), v(12.0, 12.0, 5.2));
     // It never stood: what it hit is named and its velocity kept.
     assert_eq!(
         (t.info.collision.get(), t.info.velocity_killed),
@@ -261,7 +261,7 @@ fn s5_4_without_room_it_has_not_landed() {
     let mut rig = Rig::with_faces(&[wall_facing_west(12.2, [8.0, 16.0], [4.0, 9.0])]);
     let (ts, t) = landing(&mut rig, &Carried::default(), true);
     assert_eq!((ts, t.info.contact.valid), (TransitionState::Collided, false));
-    assert_eq!(t.path.check_pos.origin, v(12.0, 12.0, 5.2));
+    assert_eq!(t.path.check_pos.origin(), v(12.0, 12.0, 5.2));
     assert!(t.info.collision.valid);
 }
 
@@ -277,7 +277,7 @@ fn ground_below(mover: &Mover, on_walkable: bool, depth: f32) -> (TransitionStat
     let mut t = rig.transition(&careless, &carried, AT);
     t.info.clear_contact_plane();
     let ts = t.transitional_insert(3);
-    let (contact, fell) = (t.info.contact.valid, 5.0 - t.path.check_pos.origin.z);
+    let (contact, fell) = (t.info.contact.valid, 5.0 - t.path.check_pos.origin().z);
     let expected = if on_walkable { FLOOR_Z } else { Z_FOR_LANDING };
     assert_eq!(t.path.walkable_allowance, expected);
     (ts, contact, fell)
@@ -357,7 +357,7 @@ fn s5_1_who_has_no_contact_or_does_not_step_down_needs_no_ground() {
             TransitionState::Ok
         };
         assert_eq!(t.transitional_insert(3), expected, "{tweak}");
-        assert_eq!(t.path.check_pos.origin, AT);
+        assert_eq!(t.path.check_pos.origin(), AT);
     }
 }
 
@@ -366,5 +366,5 @@ fn s5_1_contact_ends_the_insertion_without_a_search() {
     let mut rig = Rig::with_faces(&[level([4.0, 20.0], [4.0, 20.0], 4.5)]);
     let mut t = rig.transition(&walker(), &on_level(5.0), AT);
     assert_eq!(t.transitional_insert(3), TransitionState::Ok);
-    assert_eq!(t.path.check_pos.origin, AT);
+    assert_eq!(t.path.check_pos.origin(), AT);
 }

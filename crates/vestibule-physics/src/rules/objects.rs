@@ -94,7 +94,7 @@ fn meet(m: &Meeting) -> Met {
     assert!(!t.path.obstruction_ethereal);
     // Whom it meets twice is listed once.
     t.find_object_collisions(&target);
-    let moved = t.path.check_pos.origin - at - m.by;
+    let moved = t.path.check_pos.origin() - at - m.by;
     Met {
         ts,
         touched: t.touched.clone(),
@@ -322,7 +322,7 @@ fn s8_2_an_open_door_of_polygons_is_only_overlapped() {
         let ts = t.find_object_collisions(&target);
         assert_eq!(ts != TransitionState::Ok, stopped);
         assert_eq!(t.touched[0].stopped, stopped);
-        let moved = t.path.check_pos.origin - v(11.6, 12.1, 5.0);
+        let moved = t.path.check_pos.origin() - v(11.6, 12.1, 5.0);
         assert_eq!(close(moved, Vec3::ZERO), open, "{moved}");
     }
 }
@@ -484,13 +484,13 @@ fn clipped(ball: bool, disp: Vec3, m: Vec3, perfect: bool) -> (TransitionState, 
     let mut rig = Rig::flat();
     let mut t = beside(&mut rig, &mover, &Carried::default(), disp - m);
     t.path.add_offset_to_check_pos(m);
-    let before = t.path.check_pos.origin;
+    let before = t.path.check_pos.origin();
     let ts = if ball {
         t.intersects_sphere(&BALL, false)
     } else {
         t.intersects_cylsphere(&post(2.0), &Frame::IDENTITY)
     };
-    (ts, t.path.check_pos.origin - before, t.info.collision.get())
+    (ts, t.path.check_pos.origin() - before, t.info.collision.get())
 }
 
 #[test]
@@ -529,13 +529,13 @@ fn s8_3_8_4_heads_are_met_too() {
             let mut rig = Rig::flat();
             let mut t = beside(&mut rig, &walker(), carried, head - v(0.2, 0.1, 0.0));
             t.path.add_offset_to_check_pos(v(0.2, 0.1, 0.0));
-            let before = t.path.check_pos.origin;
+            let before = t.path.check_pos.origin();
             let ts = if ball {
                 t.intersects_sphere(&BALL, false)
             } else {
                 t.intersects_cylsphere(&post(0.5), &Frame::IDENTITY)
             };
-            (ts, t.path.check_pos.origin - before, t.info.collision.valid)
+            (ts, t.path.check_pos.origin() - before, t.info.collision.valid)
         };
         // A walker slides along it, one in the air is rejected.
         let (ts, moved, normal) = met(&on_level(0.0));
@@ -637,7 +637,7 @@ fn s6_11_4_a_clipped_mover_is_moved_back_in_the_scale_of_the_world() {
             "{scale}"
         );
         // It touches the wall with its radius of 0.3.
-        let x = t.path.check_pos.origin.x;
+        let x = t.path.check_pos.origin().x;
         assert!((x - (wall - 0.3)).abs() < 0.01, "{scale}: {x}");
     }
 }

@@ -30,7 +30,7 @@ fn s5_7_stepping_up_forgets_the_contact_plane() {
     assert!(t.info.contact.valid && !t.step_up(-Vec3::X));
     assert!(!t.info.contact.valid && !t.path.step_up);
     assert_eq!(t.path.step_up_normal, -Vec3::X);
-    assert_eq!(t.path.check_pos.origin, v(12.0, 12.0, 5.0));
+    assert_eq!(t.path.check_pos.origin(), v(12.0, 12.0, 5.0));
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn s5_7_a_step_up_that_fails_puts_the_candidate_back() {
         let mut rig = Rig::with_faces(&[step.clone(), ceiling(height)]);
         let mut t = rig.transition(&walker(), &touching(true), v(11.3, 12.0, 5.0));
         assert_eq!(t.step_up(-Vec3::X), ok);
-        let lifted = t.path.check_pos.origin - v(11.3, 12.0, 5.0);
+        let lifted = t.path.check_pos.origin() - v(11.3, 12.0, 5.0);
         assert!(
             if ok {
                 (lifted.z - 0.5).abs() < 1e-4
@@ -97,7 +97,7 @@ fn s5_8_stepping_down_forgets_what_was_overlapped() {
     assert!(!t.step_down(0.5, FLOOR_Z));
     assert!(t.path.neg_poly_hit.is_none() && !t.path.step_down);
     // Nothing is put back: the callers do that.
-    assert!((t.path.check_pos.origin.z - 4.5).abs() < 1e-5);
+    assert!((t.path.check_pos.origin().z - 4.5).abs() < 1e-5);
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn ground_at(mover: &Mover, carried: &Carried, at: Vec3) -> bool {
         walkable.check_pos.center.x += 50.0;
     }
     let found = t.check_walkable(0.5);
-    assert!(!t.path.check_walkable && t.path.check_pos.origin == at);
+    assert!(!t.path.check_walkable && t.path.check_pos.origin() == at);
     assert!(!t.object.is(ObjectState::ON_WALKABLE) || t.path.walkable_allowance == 0.5);
     found
 }

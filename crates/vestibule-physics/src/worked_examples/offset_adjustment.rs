@@ -11,7 +11,7 @@ fn adjusted(carried: &Carried, offset: Vec3) -> (Vec3, Option<Vec3>, f32) {
     let mut rig = Rig::flat();
     let mut t = rig.transition(&walker(), carried, v(12.0, 12.0, 5.0));
     let out = t.adjust_offset(offset);
-    (out, t.info.sliding.get(), t.path.global_sphere[0].center.z - 5.48)
+    (out, t.info.sliding.get(), t.path.center(0).z - 5.48)
 }
 
 /// A plane far below, so that nothing is pushed.
@@ -125,7 +125,7 @@ fn s4_2_3_the_push_knows_the_landblock_of_the_plane() {
         };
         let mut t = rig.transition(&walker(), &carried, v(12.0, 12.0, 5.0));
         t.adjust_offset(Vec3::ZERO);
-        let lifted = t.path.global_sphere[0].center.z - 5.48;
+        let lifted = t.path.center(0).z - 5.48;
         // blk(check, plane) = (192, 0, 0): the foot is at x = -180 there.
         let s = plane.dist(v(12.0 - 192.0, 12.0, 5.48));
         let expected = if s < 0.4798 && (0.48 - s) / plane.normal.z < 0.48 {

@@ -15,9 +15,9 @@ fn slid(n: Vec3, floor: Option<Vec3>, g: Vec3) -> (TransitionState, Vec3, Option
     let carried = floor.map_or(Carried::default(), |n| on_plane(n, 0.0));
     let mut t = rig.transition(&walker(), &carried, v(12.0, 12.0, 5.0));
     t.path.add_offset_to_check_pos(g);
-    let before = t.path.check_pos.origin;
+    let before = t.path.check_pos.origin();
     let ts = t.slide_sphere(0, n);
-    (ts, t.path.check_pos.origin - before, t.info.collision.get())
+    (ts, t.path.check_pos.origin() - before, t.info.collision.get())
 }
 
 #[test]
@@ -80,7 +80,7 @@ fn s5_12_3_a_slide_uses_the_last_known_plane_after_the_contact_is_cleared() {
         t.info.last_known.valid = false;
         t.path.add_offset_to_check_pos(v(0.2, 0.1, -0.05));
         let ts = t.slide_sphere(0, -Vec3::X);
-        (ts, t.path.check_pos.origin - v(12.2, 12.1, 4.95))
+        (ts, t.path.check_pos.origin() - v(12.2, 12.1, 4.95))
     };
     // Along the crease with the stale floor: the fall is lost too.
     let (ts, offset) = slide(Settings::RETAIL);
@@ -100,7 +100,7 @@ fn cliff(plane: Vec3, settings: Settings) -> (Vec3, Option<Vec3>) {
     t.path.save_check_pos();
     t.path.add_offset_to_check_pos(v(0.1, 0.05, 0.0));
     t.path.save_check_pos();
-    let before = t.path.check_pos.origin;
+    let before = t.path.check_pos.origin();
     t.info.set_contact(
         Plane {
             normal: plane,
@@ -114,7 +114,7 @@ fn cliff(plane: Vec3, settings: Settings) -> (Vec3, Option<Vec3>) {
     assert!(!t.edge_slide(&mut ts, 0.75, FLOOR_Z));
     assert_eq!(ts, TransitionState::Adjusted);
     assert!(!t.info.contact.valid);
-    (t.path.check_pos.origin - before, t.info.collision.get())
+    (t.path.check_pos.origin() - before, t.info.collision.get())
 }
 
 #[test]

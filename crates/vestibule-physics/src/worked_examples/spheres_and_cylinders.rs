@@ -39,12 +39,12 @@ fn w44_step_down_onto_a_sphere() {
     t.info.clear_contact_plane();
     t.path.step_down = true;
     (t.path.step_down_amt, t.path.walk_interp) = (0.6, 1.0);
-    let z = t.path.check_pos.origin.z;
+    let z = t.path.check_pos.origin().z;
     let target = Sphere::new(TARGET, 0.5);
     assert_eq!(t.intersects_sphere(&target, true), TransitionState::Ok);
     assert_eq!(t.intersects_sphere(&target, false), TransitionState::Adjusted);
     assert!((t.path.walk_interp - 0.314_561_9).abs() < 1e-4);
-    assert!((t.path.check_pos.origin.z - z - 0.411_262_9).abs() < 1e-4);
+    assert!((t.path.check_pos.origin().z - z - 0.411_262_9).abs() < 1e-4);
     assert!((t.info.contact.plane.normal - v(0.306_122_4, 0.204_081_6, 0.929_860_1)).length() < 1e-4);
     assert!(t.info.contact.is_water);
     // Tangent to the sphere.
@@ -59,12 +59,12 @@ fn w45_landing_on_a_sphere_rewinds() {
     t.path.collide = true;
     t.path.walk_interp = 1.0;
     t.path.walkable_allowance = Z_FOR_LANDING;
-    let before = t.path.check_pos.origin;
+    let before = t.path.check_pos.origin();
     let target = Sphere::new(TARGET, 0.5);
     assert_eq!(t.intersects_sphere(&target, true), TransitionState::Ok);
     assert_eq!(t.intersects_sphere(&target, false), TransitionState::Adjusted);
     assert!((t.path.walk_interp - 0.881_059_8).abs() < 1e-4);
-    assert!((t.path.check_pos.origin - before - v(0.011_894_0, 0.0, 0.035_682_1)).length() < 1e-4);
+    assert!((t.path.check_pos.origin() - before - v(0.011_894_0, 0.0, 0.035_682_1)).length() < 1e-4);
     assert!((t.info.contact.plane.normal - v(0.522_340_8, 0.0, 0.852_736_8)).length() < 1e-4);
 }
 
@@ -121,12 +121,12 @@ fn w49_landing_on_a_cylinder_rewinds() {
     t.path.add_offset_to_check_pos(v(0.0, 0.0, -0.3));
     t.path.collide = true;
     t.path.walk_interp = 1.0;
-    let before = t.path.check_pos.origin;
+    let before = t.path.check_pos.origin();
     assert_eq!(
         t.intersects_cylsphere(&post(0.5), &Frame::IDENTITY),
         TransitionState::Adjusted
     );
-    assert!((t.path.check_pos.origin - before - v(0.0, 0.0, 0.18)).length() < 1e-4);
+    assert!((t.path.check_pos.origin() - before - v(0.0, 0.0, 0.18)).length() < 1e-4);
     assert!((t.path.walk_interp - 0.4).abs() < 1e-4);
     assert!((t.info.contact.plane.d + 5.5).abs() < 1e-4);
 }
@@ -155,7 +155,7 @@ fn s8_3_9_a_path_clipped_mover_stops_at_the_sphere() {
         t.intersects_sphere(&Sphere::new(TARGET, 0.5), false),
         TransitionState::Adjusted
     );
-    assert!((t.path.check_pos.origin.x - 11.2).abs() < 1e-4);
+    assert!((t.path.check_pos.origin().x - 11.2).abs() < 1e-4);
     assert!(close(t.info.collision.normal, -Vec3::X));
 }
 
@@ -172,9 +172,9 @@ fn s8_4_9_a_path_clipped_mover_stops_at_the_cylinder() {
         let ts = t.intersects_cylsphere(&post(2.0), &Frame::IDENTITY);
         assert_eq!(ts, TransitionState::Adjusted, "{from}");
         assert!(
-            (t.path.check_pos.origin - TARGET - at).length() < 1e-4,
+            (t.path.check_pos.origin() - TARGET - at).length() < 1e-4,
             "{from}: {}",
-            t.path.check_pos.origin
+            t.path.check_pos.origin()
         );
         assert!(close(t.info.collision.normal, n), "{from}");
     }
@@ -209,11 +209,11 @@ fn s8_3_5_a_head_slides_by_its_own_way() {
     let mut rig = Rig::flat();
     let mut t = beside(&mut rig, &walker(), &on_level(0.0), v(-1.2, 0.0, -0.875));
     t.path.add_offset_to_check_pos(v(0.1, 0.05, 0.0));
-    t.path.global_sphere[1].center += v(0.2, 0.1, 0.0);
-    let before = t.path.check_pos.origin;
+    t.path.global_sphere[1] += v(0.2, 0.1, 0.0).into();
+    let before = t.path.check_pos.origin();
     let ts = t.intersects_sphere(&Sphere::new(TARGET, 0.5), false);
     assert_eq!(ts, TransitionState::Slid);
     // What is left of 0.3 along the normal is nothing.
-    let moved = t.path.check_pos.origin - before;
+    let moved = t.path.check_pos.origin() - before;
     assert!((moved.x + 0.3).abs() < 1e-4, "{moved}");
 }

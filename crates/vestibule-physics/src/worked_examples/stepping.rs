@@ -34,7 +34,7 @@ fn step_down_to(h: f32) -> Option<f32> {
     t.object.state.set(ObjectState::EDGE_SLIDE, false);
     t.path.walkable_allowance = FLOOR_Z;
     let found = t.step_down(0.75, FLOOR_Z) || t.step_down(0.75, FLOOR_Z);
-    found.then_some(t.path.check_pos.origin.z - 10.0)
+    found.then_some(t.path.check_pos.origin().z - 10.0)
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn w17_step_down_to_terrain() {
     let mut t = rig.transition(&walker(), &on_level(0.3), v(12.0, 12.0, 0.3));
     t.info.clear_contact_plane();
     assert!(t.step_down(0.75, FLOOR_Z));
-    assert!(t.path.check_pos.origin.z.abs() < 1e-5);
+    assert!(t.path.check_pos.origin().z.abs() < 1e-5);
     assert!(near(t.path.walk_interp, 0.4));
     assert_eq!(t.info.contact.plane.normal, Vec3::Z);
 }

@@ -22,7 +22,7 @@ fn terrain(
     let ts = t.find_collisions_in_cell(cell);
     (
         ts,
-        t.path.check_pos.origin.z - z,
+        t.path.check_pos.origin().z - z,
         t.info.contact.valid,
         t.info.collision.valid,
     )
@@ -51,7 +51,7 @@ fn w37_w38_penetrating_terrain_is_left_vertically() {
         let mut t = rig.transition(&walker(), &carried, v(12.0, 6.0, 7.0 - 0.05));
         let cell = t.path.check_cell.unwrap();
         assert_eq!(t.find_collisions_in_cell(cell), TransitionState::Adjusted);
-        assert!((t.path.check_pos.origin.z - 7.0).abs() < 1e-4);
+        assert!((t.path.check_pos.origin().z - 7.0).abs() < 1e-4);
         assert_eq!(
             (t.info.collision.valid, t.info.collided_with_environment),
             (collides, collides)
@@ -107,7 +107,7 @@ fn w40_water_bears_a_body_below_its_surface() {
         t.info.clear_contact_plane();
         let cell = t.path.check_cell.unwrap();
         assert_eq!(t.find_collisions_in_cell(cell), ts);
-        assert!((t.path.check_pos.origin.z - z - lift).abs() < 1e-5);
+        assert!((t.path.check_pos.origin().z - z - lift).abs() < 1e-5);
         assert_eq!(
             (t.info.contact.valid, t.info.contact.is_water),
             (lift > 0.0, lift > 0.0)
@@ -143,7 +143,7 @@ fn w41_the_camera_stops_over_the_ground() {
         let cell = t.path.check_cell.unwrap();
         (
             t.find_collisions_in_cell(cell),
-            t.path.check_pos.origin.z,
+            t.path.check_pos.origin().z,
             t.info.collision.get(),
         )
     };
