@@ -5,10 +5,11 @@
 use glam::{Vec2, Vec3};
 
 use crate::constants::SQUARE_LENGTH;
+use crate::geometry::BoundingBox;
 use crate::ids::CellId;
 use crate::landblock::{LAND_CELLS, Landblock};
 use crate::lanes::Lanes;
-use crate::shadow::StaticReach;
+use crate::shadow::{StaticReach, box_around, corners_of};
 use crate::shape::Building;
 use crate::terrain::{LandCell, Water};
 use crate::world::World;
@@ -79,7 +80,10 @@ impl OpenGround {
             *squares = squares_of(cell, |square| {
                 reaches.iter().all(|reach| {
                     let r = reach.sphere.radius;
-                    r < 0.0 || square.is_beyond(reach.sphere.center, r + reach.stretch * RADIUS)
+                    let around = r + reach.stretch * RADIUS;
+                    r < 0.0
+                        || square.is_beyond(reach.sphere.center, around)
+                        || square.is_beside(&reach.bounds, RADIUS)
                 }) && building.is_none_or(|b| b.is_some_and(|b| is_beyond_building(world, &square, b)))
             });
         }
@@ -103,6 +107,12 @@ impl Square {
         let p = p.truncate();
         let away = p - p.clamp(self.min, self.max);
         away.dot(away) > distance * distance
+    }
+
+    /// Whether all of it is farther than `distance` from a box, seen from above.
+    fn is_beside(&self, b: &BoundingBox, distance: f32) -> bool {
+        let (min, max) = (b.min.truncate() - distance, b.max.truncate() + distance);
+        self.max.cmplt(min).any() || self.min.cmpgt(max).any()
     }
 }
 
@@ -135,11 +145,14 @@ fn is_beyond_building(world: &World, square: &Square, building: &Building) -> bo
         return rooms;
     };
     let model = part.model.as_ref();
-    let Some(bound) = model.and_then(|m| m.physics.as_ref().and(m.physics_sphere)) else {
+    let Some((bsp, bound)) = model.and_then(|m| m.physics.as_ref().zip(m.physics_sphere)) else {
         return rooms;
     };
     let reach = bound.radius + RADIUS + SLACK;
-    rooms && part.scale.z == 1.0 && square.is_beyond(frame.local_to_global(bound.center), reach)
+    let shell = box_around(&corners_of(bsp, frame, 1.0), Vec3::ZERO);
+    let beyond =
+        square.is_beyond(frame.local_to_global(bound.center), reach) || square.is_beside(&shell, RADIUS);
+    rooms && part.scale.z == 1.0 && beyond
 }
 
 #[cfg(test)]

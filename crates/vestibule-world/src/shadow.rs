@@ -4,11 +4,13 @@ use glam::Vec3;
 
 use crate::cell_array::CellArray;
 use crate::find_cell_list::find_cell_list_of_cylspheres;
+use crate::frame::Frame;
 use crate::geometry::{BoundingBox, Sphere};
 use crate::ids::{BlockId, CellId, block_offset};
 use crate::landblock::{LAND_CELLS, Landblock};
 use crate::lanes::Lanes;
 use crate::open_ground::OpenGround;
+use crate::physics_bsp::PhysicsBsp;
 use crate::position::Position;
 use crate::shape::{StaticObject, StaticRef};
 use crate::transit_parts::{PartBounds, find_bbox_cell_list};
@@ -313,8 +315,6 @@ fn bounding_sphere_of(object: &StaticObject) -> Sphere {
 
 /// A box that holds all of an object that can be touched, shifted by `offset`; endless where that is not easily told.
 fn box_of(object: &StaticObject, offset: Vec3) -> BoundingBox {
-    /// For the tolerance of tests and the rounding of frames, metres.
-    const SLACK: Vec3 = Vec3::splat(0.03);
     let shape = &object.shape;
     let mut corners: Vec<Vec3> = Vec::new();
     if shape.has_physics_bsp {
@@ -324,8 +324,7 @@ fn box_of(object: &StaticObject, offset: Vec3) -> BoundingBox {
                 if !(scale > 0.0 && scale <= 1.0) {
                     return ENDLESS;
                 }
-                let reach = bsp.reach().corners();
-                corners.extend(reach.map(|p| frame.local_to_global(p * scale)));
+                corners.extend(corners_of(bsp, frame, scale));
             }
         }
     } else if !shape.cylspheres.is_empty() {
@@ -342,14 +341,25 @@ fn box_of(object: &StaticObject, offset: Vec3) -> BoundingBox {
             corners.extend([center - s.radius, center + s.radius]);
         }
     }
-    let Some(found) = BoundingBox::of(corners.iter().copied()) else {
+    box_around(&corners, offset)
+}
+
+/// Corners of what a physics BSP reaches when it is placed.
+pub(crate) fn corners_of(bsp: &PhysicsBsp, frame: &Frame, scale: f32) -> [Vec3; 8] {
+    bsp.reach().corners().map(|p| frame.local_to_global(p * scale))
+}
+
+/// A box around points and a little more, shifted by `offset`; endless where rounding may be more than that.
+pub(crate) fn box_around(points: &[Vec3], offset: Vec3) -> BoundingBox {
+    /// For the tolerance of tests and the rounding of frames, metres.
+    const SLACK: Vec3 = Vec3::splat(0.03);
+    let Some(found) = BoundingBox::of(points.iter().copied()) else {
         return ENDLESS;
     };
     let found = BoundingBox {
         min: found.min - SLACK + offset,
         max: found.max + SLACK + offset,
     };
-    // Farther off rounding is more than the slack.
     let is_near = |v: Vec3| v.abs().max_element() < 1024.0;
     if is_near(found.min) && is_near(found.max) {
         found
