@@ -2,7 +2,7 @@
 //! [`crate::plain_step`].
 
 use vestibule_world::{
-    Building, CellArray, CellEntry, CellId, LandCell, Lanes, Plane, Sphere, Water, add_land_cells,
+    Building, CellArray, CellEntry, CellId, LandCell, Lanes, Sphere, TerrainPolygon, Water, add_land_cells,
     distance_to_rooms, transit::add_all_outside_cells,
 };
 
@@ -15,8 +15,17 @@ use crate::plain_step::{PlainEnd, PlainStep, end_at};
 /// candidate: which of them it touches stays the same.
 #[inline(always)]
 pub(crate) fn plain_step_on_land(step: &PlainStep<'_>, array: &mut CellArray) -> Option<PlainEnd> {
-    match step.on_bare_ground(array) {
-        Some(end) => Some(end),
+    let id = step.from.cell;
+    let cell = step.block.land_cell(id)?;
+    match step.rest_on_open_ground(id, cell) {
+        Some((rest, plane)) => {
+            // Last: a call before there is less to be kept over it would cost more.
+            if !step.is_alone_in(id) {
+                return None;
+            }
+            array.start(id, true);
+            end_at(step.from, id, &rest, plane, cell.water != Water::Not, None)
+        }
         None => on_any_land(*step, array),
     }
 }
@@ -32,22 +41,20 @@ fn on_any_land(step: PlainStep<'_>, array: &mut CellArray) -> Option<PlainEnd> {
 }
 
 impl PlainStep<'_> {
-    /// Where nothing but the ground of one land cell is touched: the usual case.
+    /// Where the candidate comes to rest if it touches nothing but the ground of one land cell, the usual case, and on what
+    /// plane.
     #[inline(always)]
-    fn on_bare_ground(&self, array: &mut CellArray) -> Option<PlainEnd> {
-        let id = self.from.cell;
-        let cell = self.block.land_cell(id)?;
-        let [foot, head] = self.candidate.spheres;
-        if !self.world.shadow_lists(self.block).is_bare(id)
-            || !cell.certainly_holds(foot, head, self.low)
-            || !self.is_alone_in(id)
+    fn rest_on_open_ground(&self, id: CellId, cell: &LandCell) -> Option<(Candidate, Lanes)> {
+        let spheres = self.candidate.spheres;
+        if !self.low.has_xy_of(spheres[0])
+            || !cell.certainly_holds(spheres)
+            || !self.block.is_known_open(id, cell, spheres)
         {
             return None;
         }
-        let polygon = cell.find_terrain_poly_inside(self.low)?;
-        let rest = self.rest_on(&polygon.plane, cell)?;
-        array.start(id, true);
-        self.end_on_land(&rest, &polygon.plane, id, cell)
+        let plane = Lanes::of_plane(&cell.find_terrain_poly_inside(spheres[0])?.plane);
+        let water = cell.water_depth_inside(spheres[0]);
+        Some((self.rest_on(plane, water)?, plane))
     }
 
     /// On land cells with other things on them, or on several: where the rooms of their buildings are not touched, nor
@@ -59,12 +66,12 @@ impl PlainStep<'_> {
         if land.water == Water::Entirely || !upright {
             return None;
         }
-        let (id, cell) = self.land_cells(array)?;
+        let (id, cell, polygon) = self.land_cells(array)?;
         let cells = array.entries();
         let rooms = self.distance_to_rooms(cells, &self.candidate)?;
         let objects = self.objects_on_lands(cells, &self.candidate, false)?;
-        let polygon = cell.find_terrain_poly(self.low.xyz())?;
-        let rest = self.rest_on(&polygon.plane, cell)?;
+        let plane = Lanes::of_plane(&polygon.plane);
+        let rest = self.rest_on(plane, cell.water_depth(self.low.xyz()))?;
         if !self.candidate.has_bits_of(&rest) {
             if !rest.is_within(self.candidate.spheres[0], rooms) {
                 self.distance_to_rooms(cells, &rest)?;
@@ -73,63 +80,54 @@ impl PlainStep<'_> {
                 self.objects_on_lands(cells, &rest, true)?;
             }
         }
-        self.end_on_land(&rest, &polygon.plane, id, cell)
+        end_at(self.from, id, &rest, plane, cell.water != Water::Not, None)
     }
 
     /// Where the candidate comes to rest on walkable ground (5.6, 5.8, 7.3): where it is, lifted out of the ground, or
     /// lowered and lifted. The first insertion that moves nothing is the last: one more, or to place it, finds the same.
+    /// `water` is how far it sinks in, metres.
     #[inline(always)]
-    fn rest_on(&self, plane: &Plane, cell: &LandCell) -> Option<Candidate> {
-        let n_z = plane.normal.z;
-        if !is_walkable_z(n_z) {
-            return None;
-        }
-        let mut rest = self.candidate;
+    fn rest_on(&self, plane: Lanes, water: f32) -> Option<Candidate> {
+        let (n_z, mut rest) = (plane.z(), self.candidate);
         let foot = rest.spheres[0];
-        let water = if cell.water == Water::Not {
-            0.0
-        } else {
-            cell.water_depth(self.low.xyz())
-        };
         // Of the low point only the height changes. The sums are those of its distance from the plane.
-        let plane = Lanes::of_plane(plane);
         let across = plane.times(foot);
         let across = across.lane(0) + across.lane(1);
         let above = |z: f32| across + n_z * (z - foot.fourth()) + plane.fourth() + water;
-        let mut z = foot.z();
-        let mut a = above(z);
+        let z = foot.z();
+        let a = above(z);
         if a > EPSILON {
             // The ground below.
             let h = self.search_depth();
+            let z = z - h;
+            let a = above(z);
+            let lift = a / n_z;
+            let interp = 1.0 + lift / h;
             rest.shift(down(h));
-            z -= h;
-            a = above(z);
-            let interp = 1.0 + a / n_z / h;
-            if !(a < -EPSILON && interp < 1.0 && interp >= SHAPE_INTERP_LIMIT) {
+            rest.shift(down(lift));
+            // All at once: each branch costs more.
+            let found = (a < -EPSILON) & (interp < 1.0) & (interp >= SHAPE_INTERP_LIMIT);
+            return (found & (above(z - lift) >= -EPSILON) & is_walkable_z(n_z)).then_some(rest);
+        }
+        if !(a >= -EPSILON) {
+            let lift = a / n_z;
+            rest.shift(down(lift));
+            if !(above(z - lift) >= -EPSILON) {
                 return None;
             }
-        } else if a >= -EPSILON {
-            return Some(rest);
         }
-        let lift = a / n_z;
-        rest.shift(down(lift));
-        (above(z - lift) >= -EPSILON).then_some(rest)
+        is_walkable_z(n_z).then_some(rest)
     }
 
+    /// Fills the array with the land cells touched, all of this landblock, and finds the one below the foot and its ground
+    /// there.
     #[inline(always)]
-    fn end_on_land(&self, rest: &Candidate, plane: &Plane, id: CellId, cell: &LandCell) -> Option<PlainEnd> {
-        let is_water = cell.water != Water::Not;
-        end_at(self.from, id, rest, Lanes::of_plane(plane), is_water, None)
-    }
-
-    /// Fills the array with the land cells touched, all of this landblock, and finds the one below the foot.
-    #[inline(always)]
-    fn land_cells(&self, array: &mut CellArray) -> Option<(CellId, &LandCell)> {
+    fn land_cells(&self, array: &mut CellArray) -> Option<(CellId, &LandCell, &TerrainPolygon)> {
         let id = self.from.cell;
         let own = self.block.land_cell(id)?;
         let spheres = self.candidate.spheres;
         if add_land_cells(id, own, spheres, array) {
-            return Some((id, own));
+            return Some((id, own, own.find_terrain_poly_inside(spheres[0])?));
         }
         array.clear();
         add_all_outside_cells(
@@ -146,12 +144,12 @@ impl PlainStep<'_> {
         for entry in array.entries() {
             let here = entry.id.block() == id.block();
             let cell = self.block.land_cell(entry.id).filter(|_| here)?;
-            if cell.find_terrain_poly(self.low.xyz()).is_some() {
+            if let Some(polygon) = cell.find_terrain_poly(self.low.xyz()) {
                 // On a border, more than one.
                 if below.is_some() {
                     return None;
                 }
-                below = Some((entry.id, cell));
+                below = Some((entry.id, cell, polygon));
             }
         }
         below

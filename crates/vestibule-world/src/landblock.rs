@@ -6,6 +6,7 @@ use std::sync::OnceLock;
 use crate::constants::BLOCK_SIDE_CELLS;
 use crate::env_cell::EnvCell;
 use crate::ids::{BlockId, CellId};
+use crate::lanes::Lanes;
 use crate::shadow::{Reach, ShadowLists};
 use crate::shape::{Building, StaticObject};
 use crate::terrain::{LandCell, TerrainWord, Water};
@@ -87,6 +88,15 @@ impl Landblock {
             .iter()
             .zip(1u16..)
             .map(move |(cell, low)| (CellId::new(id, low), cell))
+    }
+
+    /// Whether spheres that a land cell of this block certainly holds are known to be over ground with nothing else on it:
+    /// no static object, building or restriction is near. Known once the shadow lists have been asked for. Radii are in the
+    /// fourth lanes.
+    #[inline(always)]
+    pub fn is_known_open(&self, id: CellId, cell: &LandCell, spheres: [Lanes; 2]) -> bool {
+        let lists = self.shadows.get();
+        lists.is_some_and(|lists| lists.open_ground.holds(id, cell, spheres))
     }
 
     /// The building registered with a land cell.

@@ -54,6 +54,7 @@ mod load;
 mod loader;
 pub mod lscape;
 mod open_box;
+mod open_ground;
 mod physics_bsp;
 mod plane_quads;
 mod polygon;

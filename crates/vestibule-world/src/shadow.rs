@@ -4,13 +4,15 @@ use glam::Vec3;
 
 use crate::cell_array::CellArray;
 use crate::find_cell_list::find_cell_list_of_cylspheres;
+use crate::frame::Frame;
 use crate::geometry::{BoundingBox, Sphere};
 use crate::ids::{BlockId, CellId, block_offset};
 use crate::landblock::{LAND_CELLS, Landblock};
 use crate::lanes::Lanes;
+use crate::open_ground::OpenGround;
+use crate::physics_bsp::PhysicsBsp;
 use crate::position::Position;
 use crate::shape::{StaticObject, StaticRef};
-use crate::terrain::{LandCell, Water};
 use crate::transit_parts::{PartBounds, find_bbox_cell_list};
 use crate::world::World;
 
@@ -27,8 +29,7 @@ pub struct ShadowLists {
     bounds: Box<[Sphere]>,
     /// Land cells that some object reaches, one bit each.
     land_cells: u64,
-    /// See [`ShadowLists::is_bare`], one bit for each land cell.
-    bare: u64,
+    pub(crate) open_ground: OpenGround,
     /// Start of each cell's range in `quads`; one more entry than cells.
     quad_starts: Box<[u32]>,
     quads: Box<[ReachQuad]>,
@@ -141,14 +142,6 @@ impl ShadowLists {
         self.land_cells
     }
 
-    /// Whether there is nothing but ground on a land cell of this block, dry or with some water: no static object, no
-    /// building, no restriction.
-    #[inline(always)]
-    pub fn is_bare(&self, cell: CellId) -> bool {
-        let index = u32::from(cell.low()).wrapping_sub(1);
-        self.bare.checked_shr(index).is_some_and(|bits| bits & 1 != 0)
-    }
-
     /// How far two spheres of which `larger` is the larger radius may be shifted before one comes near a static object
     /// of a cell, metres; see [`StaticReach`].
     #[inline(always)]
@@ -182,6 +175,7 @@ impl ShadowLists {
             + size_of_val(&*self.refs)
             + size_of_val(&*self.reaches)
             + size_of_val(&*self.bounds)
+            + self.open_ground.bytes()
             + size_of_val(&*self.quad_starts)
             + size_of_val(&*self.quads)
     }
@@ -245,10 +239,11 @@ impl ShadowLists {
             quads.extend(of_cell.unwrap_or(&[]).chunks(4).map(ReachQuad::new));
             quad_starts[cell + 1] = quads.len() as u32;
         }
-        let land_cells = in_land.fold(0, |bits, &(slot, ..)| bits | 1 << slot);
         ShadowLists {
-            land_cells,
-            bare: open_ground(block) & !land_cells,
+            land_cells: in_land.fold(0, |bits, &(slot, ..)| bits | 1 << slot),
+            open_ground: OpenGround::build(world, block, |cell| {
+                reaches.get(range_of(&starts, cell)).unwrap_or(&[])
+            }),
             starts: starts.into(),
             refs: found.iter().map(|&(_, r, ..)| r).collect(),
             bounds: found.iter().map(|&(.., bounds)| bounds).collect(),
@@ -257,20 +252,6 @@ impl ShadowLists {
             quads: quads.into(),
         }
     }
-}
-
-/// Land cells without a building or a restriction, one bit each; none in a block that is all water.
-fn open_ground(block: &Landblock) -> u64 {
-    let is_open = |cell: &LandCell| cell.building.is_none() && cell.restriction.is_none();
-    let drowned = block
-        .land
-        .as_ref()
-        .is_none_or(|land| land.water == Water::Entirely);
-    let mut bits = 0;
-    for (index, (_, cell)) in block.land_cells().take(LAND_CELLS).enumerate() {
-        bits |= u64::from(is_open(cell) && !drowned) << index;
-    }
-    bits
 }
 
 /// A sphere that holds all of an object that can be run into, in the frame of its landblock.
@@ -319,8 +300,6 @@ fn bounding_sphere_of(object: &StaticObject) -> Sphere {
 
 /// A box that holds all of an object that can be touched, shifted by `offset`; endless where that is not easily told.
 fn box_of(object: &StaticObject, offset: Vec3) -> BoundingBox {
-    /// For the tolerance of tests and the rounding of frames, metres.
-    const SLACK: Vec3 = Vec3::splat(0.03);
     let shape = &object.shape;
     let mut corners: Vec<Vec3> = Vec::new();
     if shape.has_physics_bsp {
@@ -330,8 +309,7 @@ fn box_of(object: &StaticObject, offset: Vec3) -> BoundingBox {
                 if !(scale > 0.0 && scale <= 1.0) {
                     return ENDLESS;
                 }
-                let reach = bsp.reach().corners();
-                corners.extend(reach.map(|p| frame.local_to_global(p * scale)));
+                corners.extend(corners_of(bsp, frame, scale));
             }
         }
     } else if !shape.cylspheres.is_empty() {
@@ -348,14 +326,25 @@ fn box_of(object: &StaticObject, offset: Vec3) -> BoundingBox {
             corners.extend([center - s.radius, center + s.radius]);
         }
     }
-    let Some(found) = BoundingBox::of(corners.iter().copied()) else {
+    box_around(&corners, offset)
+}
+
+/// Corners of what a physics BSP reaches when it is placed.
+pub(crate) fn corners_of(bsp: &PhysicsBsp, frame: &Frame, scale: f32) -> [Vec3; 8] {
+    bsp.reach().corners().map(|p| frame.local_to_global(p * scale))
+}
+
+/// A box around points and a little more, shifted by `offset`; endless where rounding may be more than that.
+pub(crate) fn box_around(points: &[Vec3], offset: Vec3) -> BoundingBox {
+    /// For the tolerance of tests and the rounding of frames, metres.
+    const SLACK: Vec3 = Vec3::splat(0.03);
+    let Some(found) = BoundingBox::of(points.iter().copied()) else {
         return ENDLESS;
     };
     let found = BoundingBox {
         min: found.min - SLACK + offset,
         max: found.max + SLACK + offset,
     };
-    // Farther off rounding is more than the slack.
     let is_near = |v: Vec3| v.abs().max_element() < 1024.0;
     if is_near(found.min) && is_near(found.max) {
         found

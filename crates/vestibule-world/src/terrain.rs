@@ -127,19 +127,28 @@ pub struct LandCell {
     middle: Lanes,
     /// For each polygon where the cell's diagonal ends, x and y, and how it runs there.
     diagonals: [Lanes; 2],
+    /// See [`LandCell::water_depth`]: in the north-eastern quarter of the cell, the north-western, the south-eastern, the
+    /// south-western, metres.
+    depths: [f32; 4],
 }
 
 /// Many times the rounding of coordinates inside a landblock, metres.
 const LAND_SLACK: f32 = 0.01;
 
 impl LandCell {
-    /// Whether seen from above all of these spheres are certainly inside the cell and touch no other; radii are in the
-    /// fourth lanes.
+    /// Whether seen from above both spheres are certainly inside the cell and touch no other; radii are in the fourth
+    /// lanes.
     #[inline(always)]
-    pub fn certainly_holds(&self, a: Lanes, b: Lanes, c: Lanes) -> bool {
+    pub fn certainly_holds(&self, [a, b]: [Lanes; 2]) -> bool {
         let limit = Lanes::splat(SQUARE_LENGTH / 2.0 - LAND_SLACK);
         let within = |s: Lanes| ((s - self.middle).abs() + Lanes::splat(s.fourth())).less(limit);
-        within(a) & within(b) & within(c) & 0b11 == 0b11
+        within(a) & within(b) & 0b11 == 0b11
+    }
+
+    /// A point from the south-west corner of the cell, metres; of the lanes the first two.
+    #[inline(always)]
+    pub(crate) fn from_corner(&self, p: Lanes) -> Lanes {
+        p - self.middle + Lanes::splat(SQUARE_LENGTH / 2.0)
     }
 
     /// On which sides a sphere with its centre inside the cell reaches beyond it, seen from above: 1 to the east and 1 to
@@ -195,6 +204,12 @@ impl LandCell {
     #[inline]
     pub fn find_terrain_poly(&self, p: Vec3) -> Option<&TerrainPolygon> {
         self.polygons.iter().find(|poly| poly.contains_2d(p))
+    }
+
+    /// As [`LandCell::water_depth`] at a point that the cell certainly holds.
+    #[inline(always)]
+    pub fn water_depth_inside(&self, p: Lanes) -> f32 {
+        self.depths[(p.less(self.middle) & 0b11) as usize]
     }
 
     /// How far a body sinks in at `p`, metres (`world.md` A5).
@@ -262,16 +277,21 @@ pub fn build_land_cells(corner: LandCoord, heights: &[f32; 81], words: &[Terrain
                 0xF => Water::Entirely,
                 _ => Water::Partially,
             };
-            cells.push(LandCell {
+            let middle = Lanes::from((sw + ne) * 0.5);
+            let mut cell = LandCell {
                 polygons: polygons.map(TerrainPolygon::new),
                 split,
                 water,
                 water_corners,
                 building: None,
                 restriction: None,
-                middle: Lanes::from((sw + ne) * 0.5),
+                middle,
                 diagonals: diagonals.map(diagonal),
-            });
+                depths: [0.0; 4],
+            };
+            let quarters = [(6.0, 6.0), (-6.0, 6.0), (6.0, -6.0), (-6.0, -6.0)];
+            cell.depths = quarters.map(|(x, y)| cell.water_depth(middle.xyz() + Vec3::new(x, y, 0.0)));
+            cells.push(cell);
         }
     }
     cells
@@ -434,8 +454,11 @@ mod tests {
     }
 
     #[test]
-    fn t7_inside_a_cell_the_diagonal_tells_the_polygons_apart() {
-        let cells = build_land_cells(SW_NE, &[0.0; 81], &[TerrainWord(0); 81]);
+    fn t7_a5_inside_a_cell_one_look_tells_polygon_and_water() {
+        let words = core::array::from_fn(|i| TerrainWord(if i % 3 == 1 || i > 50 { 0x14 << 2 } else { 1 }));
+        let cells = build_land_cells(SW_NE, &[0.0; 81], &words);
+        let waters = [Water::Not, Water::Partially, Water::Entirely];
+        assert!(waters.map(|water| cells.iter().any(|c| c.water == water)) == [true; 3]);
         assert!([Split::SwNe, Split::SeNw].map(|split| cells.iter().any(|c| c.split == split)) == [true; 2]);
         let mut seed = 1u32;
         let mut draw = || {
@@ -446,10 +469,12 @@ mod tests {
             let corner = cell.polygons[0].vertices[0];
             for _ in 0..200 {
                 let (u, v) = (draw(), draw());
-                // On the diagonals as well.
-                for (u, v) in [(u, v), (u, u), (u, SQUARE_LENGTH - u)] {
+                // On the diagonals and in the middle as well.
+                let middle = SQUARE_LENGTH / 2.0;
+                for (u, v) in [(u, v), (u, u), (u, SQUARE_LENGTH - u), (u, middle), (middle, v)] {
                     let p = corner + Vec3::new(u, v, 0.0);
-                    assert!(cell.certainly_holds(p.into(), p.into(), p.into()));
+                    assert!(cell.certainly_holds([p.into(); 2]));
+                    assert_eq!(cell.water_depth_inside(p.into()), cell.water_depth(p), "{p}");
                     assert_eq!(
                         cell.find_terrain_poly_inside(p.into()),
                         cell.find_terrain_poly(p),
@@ -465,7 +490,7 @@ mod tests {
         let cell = &build_land_cells(SW_NE, &[7.0; 81], &[TerrainWord(0); 81])[8];
         let at = |x: f32, y: f32, r: f32| Lanes::new(Vec3::new(x, y, 900.0), r);
         let inside = at(36.0, 12.0, 0.5);
-        assert!(cell.certainly_holds(inside, at(24.6, 0.6, 0.5), at(47.4, 23.4, 0.5)));
+        assert!(cell.certainly_holds([at(24.6, 0.6, 0.5), at(47.4, 23.4, 0.5)]));
         for beyond in [
             at(24.5, 12.0, 0.5),
             at(47.5, 12.0, 0.5),
@@ -475,13 +500,8 @@ mod tests {
             at(36.0, f32::NAN, 0.5),
             at(36.0, 12.0, f32::NAN),
         ] {
-            for [a, b, c] in [
-                [beyond, inside, inside],
-                [inside, beyond, inside],
-                [inside, inside, beyond],
-            ] {
-                assert!(!cell.certainly_holds(a, b, c), "{beyond:?}");
-            }
+            assert!(!cell.certainly_holds([beyond, inside]), "{beyond:?}");
+            assert!(!cell.certainly_holds([inside, beyond]), "{beyond:?}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! Cheap tests, worked out when a landblock is loaded, that answer most cell look-ups without the exact ones
 //! (`world.md` 10.1, 13). They only ever say "certainly": the answer of the exact test is never changed.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use crate::constants::{CELL_BSP_SPHERE_FUDGE, EPSILON};
 use crate::env_cell::{CellPortal, EnvCell, PortalTarget};
@@ -199,6 +199,18 @@ impl TransitHints {
             Some(plane) => plane.dist(center) < -(radius + (CELL_BSP_SPHERE_FUDGE + SLACK)),
             None => false,
         }
+    }
+
+    /// Whether spheres of a radius with centres between these upright columns certainly do not touch the cell.
+    pub(crate) fn keeps_away_columns(&self, corners: &[Vec2; 4], radius: f32) -> bool {
+        let reach = Lanes::splat(-(radius + (CELL_BSP_SPHERE_FUDGE + SLACK)));
+        self.planes.quads().iter().any(|quad| {
+            let mut beyond = Lanes::splat(0.0).equal(quad[2]);
+            for corner in corners {
+                beyond &= Lanes::four_distances(quad, corner.extend(0.0).into()).less(reach);
+            }
+            beyond != 0
+        })
     }
 
     /// Whether a sphere certainly does not touch the cell.
