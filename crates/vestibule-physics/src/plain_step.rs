@@ -340,7 +340,7 @@ impl PlainStep<'_> {
         }
         let own = self.candidate.clearance(&self.shape, cell);
         if own < 0.0 {
-            return self.call_beside_walls(cell, known, array);
+            return self.beside_walls(cell, known, array);
         }
         let mut beside = f32::INFINITY;
         let mut objects = self.objects_around(cell.id, &self.candidate, false)?;
@@ -351,7 +351,7 @@ impl PlainStep<'_> {
             }
             let c = self.candidate.clearance(&self.shape, other);
             if c < 0.0 {
-                return self.call_beside_walls(cell, known, array);
+                return self.beside_walls(cell, known, array);
             }
             beside = if c < beside { c } else { beside };
             let d = self.objects_around(other.id, &self.candidate, false)?;
@@ -381,19 +381,6 @@ impl PlainStep<'_> {
             self.objects_around(other.id, &self.candidate, false)?;
         }
         self.come_to_rest(entered, &self.candidate, [0.0; 2], &mut known, array, None)
-    }
-
-    #[inline(always)]
-    fn call_beside_walls(
-        &self,
-        cell: &EnvCell,
-        known: &mut Known,
-        array: &mut CellArray,
-    ) -> Option<PlainEnd> {
-        let (step, mut now) = (*self, *known);
-        let end = step.beside_walls(cell, &mut now, array);
-        *known = now;
-        end
     }
 
     /// As [`PlainStep::in_certain_rooms`], not clear of walls.
