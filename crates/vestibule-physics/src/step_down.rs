@@ -170,15 +170,12 @@ impl<'w> Transition<'w, '_> {
 
     /// Whether a step down certainly ends where the floor lifts the candidate: on walkable ground, touching nothing
     /// else.
-    fn comes_to_rest_on(&self, lift: &Lift<'w>, z: f32) -> bool {
+    fn comes_to_rest_on(&mut self, lift: &Lift<'w>, z: f32) -> bool {
         let (cell, block, at) = (lift.cell, lift.block, lift.at.spheres[0]);
-        let others = self.other_rooms();
+        let known = self.built.holds(cell.id, at);
         if lift.plane.z() < z
-            || !self.built.holds(cell.id, at)
+            || !(known || self.built.may_be_certain(cell.id, at))
             || !self.has_no_objects_near(cell.id, block, at)
-            || !others
-                .iter()
-                .all(|other| self.has_no_objects_near(other.id, block, at))
         {
             return false;
         }
@@ -194,7 +191,18 @@ impl<'w> Transition<'w, '_> {
                 return false;
             }
         }
-        lift.at.rests_in(&shape, cell) && lift.at.rests_beside(&shape, block, others)
+        if !lift.at.rests_in(&shape, cell) {
+            return false;
+        }
+        // Having passed its own cell there, the candidate is held against the cells it reaches there in any case.
+        if !known && !self.know_cells_at(cell.id, &lift.at) {
+            return false;
+        }
+        let others = self.other_rooms();
+        lift.at.rests_beside(&shape, block, others)
+            && others
+                .iter()
+                .all(|other| self.has_no_objects_near(other.id, block, at))
     }
 
     /// Whether a step up certainly finds no ground: the candidate reaches nothing but rooms, and no floor of any.
