@@ -73,7 +73,7 @@ pub(crate) fn sphere_intersects_poly<'b>(
 fn finds_poly<'b>(bsp: &'b PhysicsBsp, s: Lanes, movement: Lanes, named: &mut Option<&'b Face>) -> bool {
     let mut hits = SureHits::default();
     let unsure = bsp.any_face_near(s, false, |face, distance| {
-        let overlap = polygon::overlap_at(face, bsp.edges(face), s, distance);
+        let overlap = polygon::overlap_at(face, bsp.edge_quads(face), s, distance);
         overlap != Overlap::None && !(is_sure(bsp, face, overlap, s) && hits.add(face))
     });
     if unsure != Some(false) {
@@ -140,7 +140,7 @@ fn hits<'b>(bsp: &'b PhysicsBsp, s: Lanes, only_up: bool, filter: impl Fn(&Face)
         if !filter(face) {
             return false;
         }
-        let overlap = polygon::overlap_at(face, bsp.edges(face), s, distance);
+        let overlap = polygon::overlap_at(face, bsp.edge_quads(face), s, distance);
         overlap != Overlap::None && hit.replace((face, overlap)).is_some()
     });
     match (several, hit) {
@@ -156,7 +156,7 @@ fn is_sure(bsp: &PhysicsBsp, face: &Face, overlap: Overlap, s: Lanes) -> bool {
     face.sound
         && match overlap {
             Overlap::Inside(dist) => dist <= s.fourth() - (SURE_OVERLAP + EPSILON),
-            _ => polygon::hits_deeper(face, bsp.edges(face), &s.into(), SURE_OVERLAP),
+            _ => polygon::hits_deeper(face, bsp.edge_quads(face), s, SURE_OVERLAP),
         }
 }
 
@@ -236,7 +236,7 @@ pub(crate) fn find_floor<'b>(
     if let Some(face) = bsp.only_face_up()
         && looks_up_only(up, walkable_allowance)
     {
-        let edges = bsp.edges(face);
+        let edges = bsp.edge_quads(face);
         if !(up.dot(Lanes::of_plane(&face.plane)) > walkable_allowance) {
             return None;
         }
@@ -375,7 +375,25 @@ fn walkable_below<'b>(bsp: &'b PhysicsBsp, mut at: Child, search: &mut WalkableS
 
 /// Whether some polygon level enough to stand on supports the sphere (6.6.3).
 pub(crate) fn hits_walkable(bsp: &PhysicsBsp, s: &Sphere, up: Vec3, walkable_allowance: f32) -> bool {
-    walkable_hit(bsp, bsp.root, s, up, walkable_allowance)
+    let sphere = Lanes::from(*s);
+    let mut hit = false;
+    let only_up = looks_up_only(up.into(), walkable_allowance);
+    let sure = bsp.any_face_near(sphere, only_up, |face, distance| {
+        if !(up.dot(face.plane.normal) > walkable_allowance) {
+            return false;
+        }
+        let overlap = polygon::overlap_at(face, bsp.edge_quads(face), sphere, distance);
+        if overlap == Overlap::None || !polygon::check_small_walkable(face, bsp.edges(face), s, up) {
+            return false;
+        }
+        hit = true;
+        is_sure(bsp, face, overlap, sphere)
+    });
+    match sure {
+        Some(true) => true,
+        Some(false) if !hit => false,
+        _ => walkable_hit(bsp, bsp.root, s, up, walkable_allowance),
+    }
 }
 
 fn walkable_hit(bsp: &PhysicsBsp, mut at: Child, s: &Sphere, up: Vec3, allowance: f32) -> bool {
@@ -441,7 +459,7 @@ pub(crate) fn sphere_intersects_solid(bsp: &PhysicsBsp, s: Lanes, center_check: 
 fn finds_solid(bsp: &PhysicsBsp, s: Lanes, center_check: bool) -> bool {
     let mut hit = false;
     let sure = bsp.any_face_near(s, false, |face, distance| {
-        let overlap = polygon::overlap_at(face, bsp.edges(face), s, distance);
+        let overlap = polygon::overlap_at(face, bsp.edge_quads(face), s, distance);
         hit |= overlap != Overlap::None;
         overlap != Overlap::None && is_sure(bsp, face, overlap, s)
     });
@@ -464,16 +482,44 @@ pub(crate) fn clearance(bsp: &PhysicsBsp, s: Lanes) -> f32 {
         return 0.0;
     }
     match bsp.clearance(s) {
-        Some(d) if bsp.is_certainly_hollow_around(s, REACH) => {
-            if d < REACH {
-                d
-            } else {
-                REACH
-            }
+        Some(d) if bsp.is_certainly_hollow_around(s, REACH) || is_hollow_around(bsp, s, REACH) => {
+            if d < REACH { d } else { REACH }
         }
         Some(_) => 0.0,
         None if finds_solid(bsp, s, false) => -1.0,
         None => 0.0,
+    }
+}
+
+/// Whether the centre, shifted by up to `reach`, is in no leaf that is solid and has polygons; `false` where that is not
+/// told by one way through the tree.
+fn is_hollow_around(bsp: &PhysicsBsp, s: Lanes, reach: f32) -> bool {
+    let mut at = bsp.root;
+    loop {
+        match at.kind() {
+            ChildKind::Absent => return true,
+            ChildKind::Leaf(index) => {
+                return !bsp.leaves().get(index).is_some_and(|l| l.count != 0 && l.solid);
+            }
+            ChildKind::Node(index) => {
+                let Some(node) = bsp.nodes().get(index) else {
+                    return true;
+                };
+                // Planes may be a little longer than unit vectors.
+                let dist = Lanes::of_plane(&node.plane).dist(s);
+                let n = node.plane.normal;
+                let limit = reach * 1.01;
+                at = if n.dot(n) > 1.01 {
+                    return false;
+                } else if dist > limit {
+                    node.positive
+                } else if dist < -limit {
+                    node.negative
+                } else {
+                    return false;
+                };
+            }
+        }
     }
 }
 

@@ -79,6 +79,31 @@ impl Candidate {
         shift.dot(shift) < distance * distance
     }
 
+    /// How far it may be shifted and neither a moving nor a placement insertion finds anything of a part of a static
+    /// object, metres. Zero: a moving one finds nothing where it is. Below zero: it finds something.
+    pub(crate) fn distance_to_part(
+        &self,
+        shape: &Shape,
+        frame: &Frame,
+        bsp: &PhysicsBsp,
+        bound: &Sphere,
+    ) -> f32 {
+        let local = [self.local(shape, frame, 0), self.local(shape, frame, 1)];
+        if !local.iter().any(|&s| bsp_tree::spheres_overlap(bound, &s.into())) {
+            // Spheres that graze each other overlap (6.1); rounding is far below that.
+            const GRAZE: f32 = 0.01;
+            let outside = Sphere::new(bound.center, bound.radius + GRAZE);
+            let distance = local.map(|s| distance_between(outside, s));
+            let [foot, head] = distance;
+            let least = if head < foot { head } else { foot };
+            return if least > 0.0 { least } else { 0.0 };
+        }
+        let [foot, head] = local.map(|s| bsp_tree::clearance(bsp, s));
+        let least = if head < foot { head } else { foot };
+        // The frames of parts keep lengths but for rounding.
+        least * 0.99
+    }
+
     /// Whether an insertion finds nothing of a part of a static object.
     pub(crate) fn clears_part(
         &self,
@@ -190,8 +215,13 @@ pub(crate) fn down(h: f32) -> Lanes {
 /// How far a candidate may be shifted before one of its spheres comes near a static object of a cell, metres.
 #[inline(always)]
 pub(crate) fn distance_to_statics(lists: &ShadowLists, cell: CellId, shape: &Shape, pose: &Candidate) -> f32 {
-    let [foot, head] = pose.spheres.map(Lanes::xyz);
-    lists.distance(cell, foot, shape.two.then_some(head), shape.larger_radius())
+    lists.distance(cell, pose.spheres, shape.larger_radius())
+}
+
+/// How far two spheres are from touching, metres.
+fn distance_between(a: Sphere, b: Lanes) -> f32 {
+    let between = b - Lanes::from(a);
+    between.dot(between).sqrt() - (a.radius + b.fourth())
 }
 
 /// How far a candidate may be shifted before one of its spheres comes near another sphere, metres: nearer than that

@@ -112,28 +112,43 @@ impl<'w> Transition<'w, '_> {
 
     /// Lowers the foot sphere onto what it can stand on (6.11.1).
     fn step_sphere_down(&mut self, bsp: &'w PhysicsBsp) -> TransitionState {
-        let path = &self.path;
-        let depth = -(path.step_down_amt * path.walk_interp);
-        let movement = path.localspace_z * depth / path.localspace.scale;
-        self.rest_on_walkable(bsp, movement)
+        self.rest_on_walkable(bsp, self.step_down_movement())
     }
 
-    /// Moves the candidate back along `movement` onto the last polygon it can stand on (6.10.4, 6.11.1).
-    fn rest_on_walkable(&mut self, bsp: &'w PhysicsBsp, movement: Lanes) -> TransitionState {
+    fn step_down_movement(&self) -> Lanes {
         let path = &self.path;
-        let before = path.localspace_foot;
-        if bsp.certainly_clear(before) {
-            return TransitionState::Ok;
-        }
+        let depth = -(path.step_down_amt * path.walk_interp);
+        path.localspace_z * depth / path.localspace.scale
+    }
+
+    /// Whether there is anything that the foot sphere can be lowered onto.
+    pub(crate) fn finds_walkable(&self, bsp: &'w PhysicsBsp) -> bool {
+        self.search_walkable(bsp, self.step_down_movement())
+            .found
+            .is_some()
+    }
+
+    #[inline(always)]
+    fn search_walkable(&self, bsp: &'w PhysicsBsp, movement: Lanes) -> WalkableSearch<'w> {
+        let path = &self.path;
         let mut search = WalkableSearch {
-            sphere: before,
+            sphere: path.localspace_foot,
             movement,
             up: path.localspace_z,
             walkable_allowance: path.walkable_allowance,
             walk_interp: path.walk_interp,
             found: None,
         };
-        bsp_tree::find_walkable(bsp, &mut search);
+        if !bsp.certainly_clear(search.sphere) {
+            bsp_tree::find_walkable(bsp, &mut search);
+        }
+        search
+    }
+
+    /// Moves the candidate back along `movement` onto the last polygon it can stand on (6.10.4, 6.11.1).
+    fn rest_on_walkable(&mut self, bsp: &'w PhysicsBsp, movement: Lanes) -> TransitionState {
+        let before = self.path.localspace_foot;
+        let search = self.search_walkable(bsp, movement);
         let Some(face) = search.found else {
             return TransitionState::Ok;
         };

@@ -95,12 +95,11 @@ impl<'w> Transition<'w, '_> {
         }
         let lists = self.world.shadow_lists(block);
         let (path, shape) = (&self.path, self.path.shape());
-        let head = shape.two.then(|| path.center(1));
         let mut objects = [None; 4];
         let mut count = 0;
         let mut least = Lanes::splat(f32::INFINITY);
         for (four, quad) in lists.of(cell).chunks(4).zip(lists.quads(cell)) {
-            let mut distances = quad.distances(path.center(0), head, shape.larger_radius());
+            let mut distances = quad.distances(path.candidate().spheres, shape.larger_radius());
             let mut near = !Lanes::splat(MARGIN).less(distances) & 0b1111;
             while near != 0 {
                 let k = near.trailing_zeros() as usize;

@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 use vestibule_world::{
-    CellId, CylSphere, Frame, Landblock, Model, Shape, Sphere, StaticObject, StaticReach, StaticRef,
+    CellId, CylSphere, Frame, Landblock, Model, PhysicsBsp, Shape, Sphere, StaticObject, StaticReach,
+    StaticRef,
 };
 
 use crate::bsp_tree::spheres_overlap;
@@ -269,21 +270,49 @@ impl<'w> Transition<'w, '_> {
         TransitionState::Ok
     }
 
+    /// Whether the static objects of a cell certainly have nothing that the candidate can be lowered onto, nor anything
+    /// else that answers a step down.
+    pub(crate) fn statics_bear_nothing(&mut self, cell: CellId, block: &'w Landblock) -> bool {
+        let Some(objects) = self.only_statics_near(cell, block) else {
+            return false;
+        };
+        objects.into_iter().map_while(|object| object).all(|object| {
+            let shape = &object.shape;
+            shape.has_physics_bsp
+                && shape.parts.iter().zip(&object.part_frames).all(|(part, frame)| {
+                    let Some(model) = &part.model else { return true };
+                    let space = LocalSpace {
+                        cell: object.cell,
+                        frame,
+                        scale: part.scale.z,
+                    };
+                    self.reached_bsp(model, space)
+                        .is_none_or(|bsp| !self.finds_walkable(bsp))
+                })
+        })
+    }
+
+    /// The tree of a part if any sphere of the mover overlaps its physics sphere (8.1). Goes to its space.
+    #[inline(always)]
+    fn reached_bsp(&mut self, model: &'w Model, space: LocalSpace<'w>) -> Option<&'w PhysicsBsp> {
+        let (Some(bsp), Some(bound)) = (&model.physics, &model.physics_sphere) else {
+            return None;
+        };
+        self.path.cache_localspace_sphere(space);
+        let reached = spheres_overlap(bound, &self.path.localspace_foot.into())
+            || (self.path.num_sphere > 1 && spheres_overlap(bound, &self.path.localspace_head().into()));
+        reached.then_some(bsp)
+    }
+
     /// One part: its tree is run once if any sphere of the mover overlaps its physics sphere (8.1).
     pub(crate) fn find_part_collisions(
         &mut self,
         model: &'w Model,
         space: LocalSpace<'w>,
     ) -> TransitionState {
-        let (Some(bsp), Some(bound)) = (&model.physics, &model.physics_sphere) else {
+        let Some(bsp) = self.reached_bsp(model, space) else {
             return TransitionState::Ok;
         };
-        self.path.cache_localspace_sphere(space);
-        let reached = spheres_overlap(bound, &self.path.localspace_foot.into())
-            || (self.path.num_sphere > 1 && spheres_overlap(bound, &self.path.localspace_head().into()));
-        if !reached {
-            return TransitionState::Ok;
-        }
         if self.path.insert_type == InsertType::InitialPlacement {
             self.placement_insert_into_bsp(bsp)
         } else {

@@ -77,25 +77,27 @@ impl PlainStep<'_> {
     /// The first object of a cell that lifts the pose, in the order in which they are asked; the outer `None` where
     /// that is not easily told.
     fn lift_onto_an_object(&self, cell: CellId, lowered: &mut Lowered<'_>) -> Option<Option<Ground<'_>>> {
-        for (r, reach) in self.world.shadow_lists(self.block).with_reaches(cell) {
-            if self.distance_to_reach(reach, lowered.pose) > 0.0 {
-                continue;
-            }
-            let Some(object) = self.world.static_object(r) else {
-                continue;
-            };
-            if object.cell.block() != cell.block() {
-                return None;
-            }
-            if !object.shape.has_physics_bsp {
-                // Spheres and cylinders lift in their own ways.
-                if clears_object(object, &self.shape, lowered.pose, false) {
+        let lists = self.world.shadow_lists(self.block);
+        for (refs, quad) in lists.of(cell).chunks(4).zip(lists.quads(cell)) {
+            let distances = quad.distances(lowered.pose.spheres, self.shape.larger_radius());
+            let mut near = !Lanes::ZERO.less(distances) & 0b1111;
+            while near != 0 {
+                let k = near.trailing_zeros() as usize;
+                near &= near - 1;
+                let Some(object) = refs.get(k).and_then(|&r| self.world.static_object(r)) else {
                     continue;
+                };
+                if object.cell.block() != cell.block() {
+                    return None;
                 }
-                return None;
-            }
-            if let Some(ground) = self.lift_onto_parts(object, lowered)? {
-                return Some(Some(ground));
+                if object.shape.has_physics_bsp {
+                    if let Some(ground) = self.lift_onto_parts(object, lowered)? {
+                        return Some(Some(ground));
+                    }
+                } else if !clears_object(object, &self.shape, lowered.pose, false) {
+                    // Spheres and cylinders lift in their own ways.
+                    return None;
+                }
             }
         }
         Some(None)

@@ -1,7 +1,7 @@
 //! Polygons against spheres (`transition.md` 6.5 to 6.8). Everything is in the polygon's own space.
 
 use glam::Vec3;
-use vestibule_world::{Face, FaceEdge, Lanes, Plane, Sphere};
+use vestibule_world::{EdgeQuad, Face, FaceEdge, Lanes, Plane, RimSide, Sphere, rim_side};
 
 use crate::constants::{EPSILON, POLYGON_INTERP_LIMIT};
 
@@ -26,30 +26,43 @@ pub(crate) enum Overlap {
 /// Whether the sphere overlaps the polygon (6.5.1).
 #[inline]
 pub(crate) fn polygon_hits_sphere(face: &Face, edges: &[FaceEdge], sphere: &Sphere) -> bool {
-    overlap(face, edges, Lanes::from(*sphere)) != Overlap::None
+    let sphere = Lanes::from(*sphere);
+    let s = Lanes::of_plane(&face.plane).dist(sphere);
+    let rho = sphere.fourth() - EPSILON;
+    if rho < s.abs() {
+        return false;
+    }
+    let point = sphere - Lanes::of_plane(&face.plane) * s;
+    is_inside(face, edges, point) || edges_reach(edges, point.xyz(), rho * rho - s * s, false)
 }
 
 /// As [`polygon_hits_sphere`], saying how.
 #[inline(always)]
-pub(crate) fn overlap(face: &Face, edges: &[FaceEdge], sphere: Lanes) -> Overlap {
+pub(crate) fn overlap(face: &Face, edges: &[EdgeQuad], sphere: Lanes) -> Overlap {
     overlap_at(face, edges, sphere, Lanes::of_plane(&face.plane).dist(sphere))
 }
 
 /// As [`overlap`], given the distance `s` of the centre from the plane.
 #[inline(always)]
-pub(crate) fn overlap_at(face: &Face, edges: &[FaceEdge], sphere: Lanes, s: f32) -> Overlap {
+pub(crate) fn overlap_at(face: &Face, edges: &[EdgeQuad], sphere: Lanes, s: f32) -> Overlap {
     let rho = sphere.fourth() - EPSILON;
     if rho < s.abs() {
         return Overlap::None;
     }
     let point = sphere - Lanes::of_plane(&face.plane) * s;
-    if is_inside(face, edges, point) {
-        Overlap::Inside(s.abs())
-    } else if edges_reach(edges, point.xyz(), rho * rho - s * s, false) {
-        Overlap::Rim
-    } else {
-        Overlap::None
+    if face.certainly_inside(point) {
+        return Overlap::Inside(s.abs());
     }
+    match side_of_rim(edges, point, rho * rho - s * s) {
+        RimSide::Inside => Overlap::Inside(s.abs()),
+        RimSide::Near => Overlap::Rim,
+        RimSide::Away => Overlap::None,
+    }
+}
+
+#[inline(never)]
+fn side_of_rim(edges: &[EdgeQuad], point: Lanes, reach: f32) -> RimSide {
+    rim_side(edges, point.xyz(), reach)
 }
 
 /// Whether a point of the plane is on the inner side of all edges.
@@ -65,8 +78,8 @@ fn is_inside_all(edges: &[FaceEdge], point: Vec3) -> bool {
 
 /// Whether a sphere that is known to overlap the polygon still does with a radius smaller by `less`.
 #[inline(never)]
-pub(crate) fn hits_deeper(face: &Face, edges: &[FaceEdge], sphere: &Sphere, less: f32) -> bool {
-    polygon_hits_sphere(face, edges, &Sphere::new(sphere.center, sphere.radius - less))
+pub(crate) fn hits_deeper(face: &Face, edges: &[EdgeQuad], sphere: Lanes, less: f32) -> bool {
+    overlap(face, edges, sphere.with_fourth(sphere.fourth() - less)) != Overlap::None
 }
 
 /// The loop over edges and corners that 6.5.1 and 6.7.1 share: whether `point` is within the square distance

@@ -266,17 +266,11 @@ impl<'w> SpherePath<'w> {
     /// Whether candidate and accepted pose are equal within epsilon (1.3.3).
     #[inline]
     pub(crate) fn is_check_at_curr(&self) -> bool {
-        let close = |a: f32, b: f32| (a - b).abs() < EPSILON;
-        let (a, b) = (self.check_pos.origin(), self.curr_pos.origin());
+        let close = |a: Lanes, b: Lanes| (a - b).abs().less(Lanes::splat(EPSILON)) == 0b1111;
         let (p, q) = (self.check_rotation, self.curr_rotation);
         self.check_pos.cell == self.curr_pos.cell
-            && close(a.x, b.x)
-            && close(a.y, b.y)
-            && close(a.z, b.z)
-            && close(p.w, q.w)
-            && close(p.x, q.x)
-            && close(p.y, q.y)
-            && close(p.z, q.z)
+            && close(self.check_pos.origin, self.curr_pos.origin)
+            && close(Lanes::of_rotation(p), Lanes::of_rotation(q))
     }
 
     #[inline]

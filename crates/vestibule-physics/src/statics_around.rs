@@ -2,9 +2,9 @@
 //! (`transition.md` 8.2).
 
 use glam::Vec3;
-use vestibule_world::{CellId, CylSphere, Lanes, ShadowLists, Sphere, StaticObject, StaticReach, World};
+use vestibule_world::{CellId, CylSphere, Lanes, ReachQuad, ShadowLists, Sphere, StaticObject};
 
-use crate::candidate::{Candidate, Shape, distance_to_statics};
+use crate::candidate::{Candidate, Shape};
 use crate::cylsphere::overlaps_cylinder;
 use crate::plain_step::PlainStep;
 use crate::sphere::overlaps_sphere;
@@ -27,57 +27,77 @@ impl PlainStep<'_> {
         if lists.is_empty_in(cell) {
             return Some(f32::INFINITY);
         }
-        let (shape, pose) = (self.shape, *pose);
-        statics_around(self.world, lists, cell, &shape, &pose, placing)
-    }
-}
-
-impl PlainStep<'_> {
-    /// How far a pose may be shifted before it comes near what is within `reach`, metres.
-    pub(crate) fn distance_to_reach(&self, reach: &StaticReach, pose: &Candidate) -> f32 {
-        distance_to_reach(reach, &self.shape, pose)
-    }
-}
-
-fn distance_to_reach(reach: &StaticReach, shape: &Shape, pose: &Candidate) -> f32 {
-    reach.distance(pose.spheres.map(Lanes::xyz), shape.larger_radius())
-}
-
-/// See [`PlainStep::objects_around`].
-#[inline(never)]
-fn statics_around(
-    world: &World,
-    lists: &ShadowLists,
-    cell: CellId,
-    shape: &Shape,
-    pose: &Candidate,
-    placing: bool,
-) -> Option<f32> {
-    let least = distance_to_statics(lists, cell, shape, pose);
-    if least > 0.0 {
-        return Some(least);
-    }
-    clears_statics(world, lists, cell, shape, pose, placing).then_some(0.0)
-}
-
-/// Whether a pose that is near static objects certainly touches none of them.
-fn clears_statics(
-    world: &World,
-    lists: &ShadowLists,
-    cell: CellId,
-    shape: &Shape,
-    pose: &Candidate,
-    placing: bool,
-) -> bool {
-    lists.with_reaches(cell).all(|(r, reach)| {
-        if distance_to_reach(reach, shape, pose) > 0.0 {
-            return true;
+        let (spheres, larger) = (pose.spheres, self.shape.larger_radius());
+        let distance = distance_to_statics(lists.quads(cell), spheres, larger);
+        if distance > 0.0 {
+            return Some(distance);
         }
-        let Some(object) = world.static_object(r) else {
-            return true;
+        self.look_at_statics(lists, cell, *pose, placing)
+    }
+
+    /// As [`PlainStep::objects_around`] where some static object may be in reach: looking at it closely.
+    #[inline(never)]
+    fn look_at_statics(
+        &self,
+        lists: &ShadowLists,
+        cell: CellId,
+        pose: Candidate,
+        placing: bool,
+    ) -> Option<f32> {
+        let mut least = Lanes::splat(f32::INFINITY);
+        for (refs, quad) in lists.of(cell).chunks(4).zip(lists.quads(cell)) {
+            let mut distances = quad.distances(pose.spheres, self.shape.larger_radius());
+            let mut near = !Lanes::ZERO.less(distances) & 0b1111;
+            while near != 0 {
+                let k = near.trailing_zeros() as usize;
+                near &= near - 1;
+                let object = refs.get(k).and_then(|&r| self.world.static_object(r));
+                let distance = match object {
+                    Some(object) if object.cell.block() == cell.block() => {
+                        distance_to_object(object, &self.shape, &pose, placing)?
+                    }
+                    Some(_) => return None,
+                    None => f32::INFINITY,
+                };
+                distances.set_lane(k, distance);
+            }
+            least = distances.lesser(least);
+        }
+        Some(least.least())
+    }
+}
+
+/// How far spheres may be shifted before one comes near a static object, metres.
+#[inline(never)]
+fn distance_to_statics(quads: &[ReachQuad], spheres: [Lanes; 2], larger: f32) -> f32 {
+    let mut least = Lanes::splat(f32::INFINITY);
+    for quad in quads {
+        least = quad.distances(spheres, larger).lesser(least);
+    }
+    least.least()
+}
+
+/// As [`clears_object`]; how far the pose may be shifted and still does, metres, as far as that is known.
+fn distance_to_object(object: &StaticObject, shape: &Shape, pose: &Candidate, placing: bool) -> Option<f32> {
+    if !object.shape.has_physics_bsp || placing {
+        return clears_object(object, shape, pose, placing).then_some(0.0);
+    }
+    let mut least = f32::INFINITY;
+    for (part, frame) in object.shape.parts.iter().zip(&object.part_frames) {
+        let model = part.model.as_ref();
+        let Some((bsp, bound)) = model.and_then(|m| Some((m.physics.as_ref()?, m.physics_sphere?))) else {
+            continue;
         };
-        object.cell.block() == cell.block() && clears_object(object, shape, pose, placing)
-    })
+        if part.scale.z != 1.0 {
+            return None;
+        }
+        let distance = pose.distance_to_part(shape, frame, bsp, &bound);
+        if distance < 0.0 {
+            return None;
+        }
+        least = if distance < least { distance } else { least };
+    }
+    Some(least)
 }
 
 /// Whether a pose certainly does not touch a static object of its landblock: by the one kind of shape that counts

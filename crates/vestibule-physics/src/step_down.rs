@@ -211,7 +211,7 @@ impl<'w> Transition<'w, '_> {
             return false;
         }
         self.build_cell_array(true);
-        if !self.is_array_certain() || !self.has_objects_afar(cell.id, block) {
+        if !self.is_array_certain() {
             return false;
         }
         let (shape, at) = (self.path.shape(), self.path.candidate());
@@ -231,9 +231,12 @@ impl<'w> Transition<'w, '_> {
                 return false;
             }
         }
-        self.path.neg_poly_hit = None;
         self.path.step_down_amt = h;
         self.path.walk_interp = 1.0;
+        if !self.has_objects_afar(cell.id, block) && !self.statics_bear_nothing(cell.id, block) {
+            return false;
+        }
+        self.path.neg_poly_hit = None;
         self.path.obstruction_ethereal = false;
         true
     }

@@ -15,7 +15,7 @@ use crate::plain_step::plain_step;
 use crate::plain_walls::Known;
 use crate::population::{BodyId, Event, Population};
 use crate::sphere_path::SpherePath;
-use crate::transition::{BuiltArray, InsertType, Transition, calc_num_steps, cell_ref};
+use crate::transition::{BuiltArray, InsertType, StepPlan, Transition, calc_num_steps, cell_ref};
 
 /// A plane a body is in contact with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -138,14 +138,16 @@ impl Mover {
         let mut state = self
             .state
             .without(ObjectState::CONTACT | ObjectState::ON_WALKABLE);
-        for (kind, bit) in [
-            (ObjectKind::PLAYER, ObjectState::IS_PLAYER),
-            (ObjectKind::IMPENETRABLE, ObjectState::IS_IMPENETRABLE),
-            (ObjectKind::PK, ObjectState::IS_PK),
-            (ObjectKind::PKLITE, ObjectState::IS_PKLITE),
-        ] {
-            if self.kind.has(kind) {
-                state.set(bit, true);
+        if self.kind != ObjectKind::NONE {
+            for (kind, bit) in [
+                (ObjectKind::PLAYER, ObjectState::IS_PLAYER),
+                (ObjectKind::IMPENETRABLE, ObjectState::IS_IMPENETRABLE),
+                (ObjectKind::PK, ObjectState::IS_PK),
+                (ObjectKind::PKLITE, ObjectState::IS_PKLITE),
+            ] {
+                if self.kind.has(kind) {
+                    state.set(bit, true);
+                }
             }
         }
         let missile = self.physics.has(PhysicsState::MISSILE);
@@ -298,11 +300,40 @@ pub fn sweep(
         return Ok(end.swept(mover, carried, to));
     }
     let found: Option<Known> = found;
-    let built = match &found {
-        Some(known) => BuiltArray::certain(from.cell, known.cells_at, known.to_cells, &scratch.cell_array),
-        None => BuiltArray::NONE,
+    let start = match &found {
+        Some(known) => {
+            Start {
+                built: BuiltArray::certain(from.cell, known.cells_at, known.to_cells, &scratch.cell_array),
+                // What was looked at is finite, and not a viewer's.
+                plan: StepPlan::whole(offset.xyz(), to.frame.rotation()),
+            }
+        }
+        None => start(mover, carried, from, to)?,
     };
-    sweep_any(world, population, scratch, mover, carried, from, to, built)
+    sweep_any(world, population, scratch, mover, carried, from, to, &start)
+}
+
+/// What a sweep by the rules starts from.
+struct Start {
+    /// What is known of the cells around the candidate after the first step.
+    built: BuiltArray,
+    plan: StepPlan,
+}
+
+#[inline(never)]
+fn start(mover: &Mover, carried: &Carried, from: &Position, to: &Position) -> Result<Start, SweepError> {
+    check_input(mover, carried, from)?;
+    if !is_finite(to) {
+        return Err(SweepError::NotFinite {
+            what: "target position",
+        });
+    }
+    let viewer = mover.state.has(ObjectState::IS_VIEWER);
+    let radius = mover.spheres[0].radius;
+    Ok(Start {
+        built: BuiltArray::NONE,
+        plan: calc_num_steps(from.offset_to(to), radius, viewer, to.frame.rotation()),
+    })
 }
 
 /// From one position to another of the same landblock, as [`Position::offset_to`]; between landblocks what is no number.
@@ -314,7 +345,7 @@ fn offset_in_block(from: &Position, to: &Position) -> Lanes {
     Lanes::ZERO + Lanes::from(to.frame.origin) - Lanes::from(from.frame.origin)
 }
 
-/// The sweep by the rules. `built` is what is known of the cells around the candidate after the first step.
+/// The sweep by the rules.
 #[inline(never)]
 #[expect(clippy::too_many_arguments, reason = "those of a sweep")]
 fn sweep_any(
@@ -325,17 +356,9 @@ fn sweep_any(
     carried: &Carried,
     from: &Position,
     to: &Position,
-    built: BuiltArray,
+    start: &Start,
 ) -> Result<Swept, SweepError> {
-    check_input(mover, carried, from)?;
-    if !is_finite(to) {
-        return Err(SweepError::NotFinite {
-            what: "target position",
-        });
-    }
-    let viewer = mover.state.has(ObjectState::IS_VIEWER);
-    let radius = mover.spheres[0].radius;
-    let plan = calc_num_steps(from.offset_to(to), radius, viewer, to.frame.rotation());
+    let plan = &start.plan;
     let limit = population.settings().max_steps;
     if plan.steps > limit {
         return Err(SweepError::TooManySteps {
@@ -343,7 +366,7 @@ fn sweep_any(
             limit,
         });
     }
-    let mut transition = begin(
+    let mut transition = begin_with(
         world,
         population,
         scratch,
@@ -351,9 +374,9 @@ fn sweep_any(
         carried,
         from,
         InsertType::Transition,
+        start.built,
     );
-    transition.built = built;
-    let ok = transition.find_valid_position(&plan);
+    let ok = transition.find_valid_position(plan);
     transition.outcome(ok, &to.frame)
 }
 
@@ -393,13 +416,11 @@ pub fn place(
     transition.outcome(ok, &at.frame)
 }
 
-/// Whether all numbers are finite: a number times zero is zero unless it is not.
+/// Whether all numbers are finite.
 #[inline]
 fn is_finite(position: &Position) -> bool {
-    let (o, q) = (position.frame.origin, position.frame.rotation());
-    let sum = (o.x + o.y + o.z + q.x + q.y + q.z + q.w) * 0.0;
-    // Sums of finite numbers may overflow: only then look at each.
-    sum == 0.0 || position.is_finite()
+    let frame = &position.frame;
+    Lanes::from(frame.origin).all_finite() && Lanes::of_rotation(frame.rotation()).all_finite()
 }
 
 #[inline]
@@ -447,6 +468,23 @@ pub(crate) fn begin<'w, 's>(
     at: &Position,
     insert_type: InsertType,
 ) -> Transition<'w, 's> {
+    let built = BuiltArray::NONE;
+    begin_with(world, population, scratch, mover, carried, at, insert_type, built)
+}
+
+/// As [`begin`], with what is known of the cells around the first candidate.
+#[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "those of a sweep")]
+fn begin_with<'w, 's>(
+    world: &'w World,
+    population: &'w Population,
+    scratch: &'s mut Scratch,
+    mover: &Mover,
+    carried: &Carried,
+    at: &Position,
+    insert_type: InsertType,
+    built: BuiltArray,
+) -> Transition<'w, 's> {
     let mut object = mover.object_info();
     let mut info = CollisionInfo {
         frames_stationary_fall: carried.stationary,
@@ -471,7 +509,7 @@ pub(crate) fn begin<'w, 's>(
         path: SpherePath::new(usize::from(mover.count), &mover.spheres, cell, at, insert_type),
         info,
         cell_array: &mut scratch.cell_array,
-        built: BuiltArray::NONE,
+        built,
         keeps_shape: true,
         near_statics: [NearStatics::NONE; 2],
         touched: &mut scratch.touched,
@@ -485,20 +523,21 @@ impl Transition<'_, '_> {
     pub(crate) fn outcome(&self, ok: bool, end: &Frame) -> Result<Swept, SweepError> {
         let (path, info) = (&self.path, &self.info);
         let pose = path.curr_pos;
+        let rotation = Lanes::of_rotation(path.curr_rotation);
+        if !(pose.origin.all_finite() && rotation.all_finite()) {
+            return Err(SweepError::NotFinite {
+                what: "position reached",
+            });
+        }
         let mut frame = *end;
         frame.origin = pose.origin();
-        if path.curr_rotation != end.rotation() {
+        if !rotation.all_equal(Lanes::of_rotation(end.rotation())) {
             frame = Frame::new(pose.origin(), path.curr_rotation);
         }
         let position = Position {
             cell: pose.cell,
             frame,
         };
-        if !is_finite(&position) {
-            return Err(SweepError::NotFinite {
-                what: "position reached",
-            });
-        }
         let contact = info.contact.valid.then_some(ContactPlane {
             plane: info.contact.plane,
             cell: info.contact.cell,

@@ -51,7 +51,7 @@ pub(crate) struct BuiltArray {
     want_cell: bool,
     containing: Option<CellId>,
     hits_interior: bool,
-    /// The seed that nothing was certain around the last time: then nothing is a little farther on.
+    /// The seed that nothing was certain around at `centers`: then nothing is a little farther on.
     failed_in: CellId,
 }
 
@@ -74,6 +74,7 @@ impl BuiltArray {
         if !(distance > 0.0) {
             return BuiltArray {
                 failed_in: seed,
+                centers,
                 ..BuiltArray::NONE
             };
         }
@@ -87,6 +88,15 @@ impl BuiltArray {
             hits_interior: seed.is_indoor(),
             failed_in: CellId::NONE,
         }
+    }
+
+    /// Whether nothing is likely to be certain around a candidate in the cell `seed` whose foot sphere is at `foot`.
+    #[inline(always)]
+    fn is_likely_to_fail(&self, seed: CellId, foot: Lanes) -> bool {
+        /// Of shifts, squared: longer ones are those of steps up and down, metres.
+        const FAR: f32 = 0.3 * 0.3;
+        let shift = foot - self.centers[0];
+        self.failed_in == seed && shift.dot(shift) < FAR
     }
 
     /// Whether the array is certainly right for a candidate in the cell `seed` whose foot sphere is at `foot`.
@@ -125,6 +135,18 @@ pub(crate) struct StepPlan {
     pub(crate) last_offset: Option<Vec3>,
     pub(crate) steps: u32,
     pub(crate) end_rotation: Quat,
+}
+
+impl StepPlan {
+    /// A move in one step.
+    pub(crate) fn whole(offset: Vec3, end_rotation: Quat) -> Self {
+        StepPlan {
+            offset,
+            last_offset: None,
+            steps: 1,
+            end_rotation,
+        }
+    }
 }
 
 /// Divides the move `d` of a mover with foot radius `r` into steps (3.4).
@@ -209,7 +231,7 @@ impl<'w> Transition<'w, '_> {
         if same && !self.world.settings().exact {
             return;
         }
-        if self.keeps_shape && built.failed_in != seed {
+        if self.keeps_shape && !built.is_likely_to_fail(seed, centers[0]) {
             let distance = certain_cells(self.world, seed, spheres, self.cell_array);
             self.built = BuiltArray::certain(seed, centers, distance, self.cell_array);
             if distance > 0.0 {
@@ -253,16 +275,17 @@ impl<'w> Transition<'w, '_> {
         let viewer = self.object.is(ObjectState::IS_VIEWER);
         let free_rotate = self.object.is(ObjectState::FREE_ROTATE);
         let (begin, end) = (self.path.curr_rotation, plan.end_rotation);
+        let turns = !Lanes::of_rotation(begin).all_equal(Lanes::of_rotation(end));
         if free_rotate || plan.steps == 0 {
             self.path.set_curr_rotation(end);
+            self.path.set_check_to_curr();
         }
-        self.path.set_check_to_curr();
         if plan.steps == 0 {
             self.build_cell_array(false);
             return true;
         }
         // A mover that turns on the way does not keep its spheres where they were to each other.
-        self.keeps_shape = free_rotate || begin == end;
+        self.keeps_shape = free_rotate || !turns;
         let mut ts = TransitionState::Ok;
         for i in 0..plan.steps {
             let offset = match plan.last_offset {
@@ -273,9 +296,8 @@ impl<'w> Transition<'w, '_> {
             if !viewer && EPSILON * EPSILON > offset.dot(offset) {
                 return i != 0 && ts == TransitionState::Ok;
             }
-            if !free_rotate && begin != end {
-                let t = (i + 1) as f32 / plan.steps as f32;
-                self.path.set_check_rotation(interpolate_rotation(begin, end, t));
+            if !free_rotate && turns {
+                self.turn_on_the_way(begin, end, (i + 1) as f32 / plan.steps as f32);
             }
             self.info.sliding.valid = false;
             self.info.clear_contact_plane();
@@ -290,6 +312,12 @@ impl<'w> Transition<'w, '_> {
             }
         }
         ts == TransitionState::Ok
+    }
+
+    // Out of line, as most movers do not turn.
+    #[inline(never)]
+    fn turn_on_the_way(&mut self, begin: Quat, end: Quat, t: f32) {
+        self.path.set_check_rotation(interpolate_rotation(begin, end, t));
     }
 }
 

@@ -1,5 +1,7 @@
 //! `find_cell_list` (`world.md` 13): which cells spheres touch, and which cell holds the first centre.
 
+use glam::Vec3;
+
 use crate::cell_array::CellArray;
 use crate::env_cell::EnvCell;
 use crate::geometry::{CylSphere, Sphere};
@@ -35,7 +37,7 @@ pub struct CellList {
 pub fn find_cell_list(
     world: &World,
     seed: CellId,
-    origin: glam::Vec3,
+    origin: Vec3,
     spheres: &[Sphere],
     array: &mut CellArray,
     want_cell: bool,
@@ -79,7 +81,7 @@ pub fn find_cell_list(
 fn from_resident_env_cell(
     world: &World,
     cell: &EnvCell,
-    origin: glam::Vec3,
+    origin: Vec3,
     spheres: &[Sphere],
     array: &mut CellArray,
     want_cell: bool,
@@ -146,14 +148,21 @@ fn containing_cell(world: &World, seed: CellId, spheres: &[Sphere], array: &Cell
             continue;
         }
         let q = center - block_offset(seed.block(), entry.id.block());
-        if world.point_in_cell(entry.id, q) {
-            found = Some(entry.id);
-            if entry.id.is_indoor() {
-                break;
+        if entry.id.is_indoor() {
+            if world.env_cell(entry.id).is_some_and(|cell| holds(cell, q)) {
+                return Some(entry.id);
             }
+        } else if world.point_in_cell(entry.id, q) {
+            found = Some(entry.id);
         }
     }
     found
+}
+
+/// As [`EnvCell::contains_point`], mostly by hints.
+#[inline(always)]
+fn holds(cell: &EnvCell, q: Vec3) -> bool {
+    cell.hints.certainly_contains(q) || (!cell.hints.certainly_outside(q, 0.0) && cell.contains_point(q))
 }
 
 /// Keeps the seed cell and its stab list only (`world.md` 13.5, S5, S6).

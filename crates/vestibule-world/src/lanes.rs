@@ -148,6 +148,12 @@ impl Lanes {
         self.0.simd_eq(other.0).to_bitmask()
     }
 
+    /// Which lanes are not greater than those of `other`, a bit each.
+    #[inline(always)]
+    pub fn at_most(self, other: Lanes) -> u32 {
+        self.0.simd_le(other.0).to_bitmask()
+    }
+
     /// Whether all four lanes are equal, as numbers are.
     #[inline(always)]
     pub fn all_equal(self, other: Lanes) -> bool {
@@ -407,6 +413,8 @@ mod tests {
     fn lanes_are_told_apart() {
         let (a, b) = (Lanes::new(A, 4.0), Lanes::new(B, 5.0));
         assert_eq!((a.less(b), a.equal(a.with_fourth(5.0))), (0b1011, 0b0111));
+        assert_eq!((b.at_most(a), a.at_most(a)), (0b0100, 0b1111));
+        assert_eq!(Lanes::splat(f32::NAN).at_most(a), 0);
         assert_eq!(a.lesser(b), Lanes::new(Vec3::new(0.1, -2.3, 1e-3), 4.0));
         assert_eq!(a.greater(b), Lanes::new(Vec3::new(7.7, 0.3, 1e3), 5.0));
         assert_eq!(

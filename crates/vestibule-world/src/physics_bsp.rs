@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::box_quads::BoxQuads;
 use crate::constants::EPSILON;
+use crate::edge_quads::EdgeQuad;
 use crate::geometry::{BoundingBox, Plane, Side, Sphere};
 use crate::lanes::{LaneBox, Lanes};
 use crate::open_box::open_box;
@@ -85,6 +86,8 @@ pub struct Face {
     pub plane: Plane,
     /// First edge in [`PhysicsBsp::all_edges`].
     first_edge: u32,
+    /// First group of edges in `edge_quads`.
+    first_quad: u32,
     /// Number of edges.
     pub(crate) edge_count: u32,
     /// Position of the polygon in [`PhysicsBsp::polygons`].
@@ -140,6 +143,8 @@ pub struct PhysicsBsp {
     leaves: Box<[PhysicsLeaf]>,
     faces: Box<[Face]>,
     edges: Box<[FaceEdge]>,
+    /// The same in groups of four, where there are `quads`.
+    edge_quads: Box<[EdgeQuad]>,
     polygons: PolygonSet,
     /// Which faces a sphere is near; `None` for large trees.
     quads: Option<BoxQuads>,
@@ -160,6 +165,7 @@ impl PhysicsBsp {
             + size_of_val(&*self.leaves)
             + size_of_val(&*self.faces)
             + size_of_val(&*self.edges)
+            + size_of_val(&*self.edge_quads)
             + self.polygons.memory()
     }
 
@@ -191,6 +197,7 @@ impl PhysicsBsp {
             faces.push(Face {
                 plane,
                 first_edge,
+                first_quad: 0,
                 edge_count,
                 polygon: index,
                 sound: false,
@@ -214,9 +221,19 @@ impl PhysicsBsp {
                 max: b.max + Vec3::splat(REACH_SLACK),
             }));
         }
+        let quads = BoxQuads::new(&faces, &reaches);
+        let mut edge_quads = Vec::new();
+        if quads.is_some() {
+            for face in &mut faces {
+                let first = face.first_edge as usize;
+                face.first_quad = edge_quads.len() as u32;
+                edge_quads.extend(EdgeQuad::of(&edges[first..first + face.edge_count as usize]));
+            }
+        }
         let is_hollow = !leaves.iter().any(|l| l.solid && l.count != 0);
         let mut bsp = PhysicsBsp {
-            quads: BoxQuads::new(&faces, &reaches),
+            quads,
+            edge_quads: edge_quads.into(),
             reach: union_of(&reaches).unwrap_or(ENDLESS),
             open: open_box(&boxes).map_or(LaneBox::NOTHING, |b| LaneBox::new(&b)),
             is_hollow,
@@ -438,6 +455,14 @@ impl PhysicsBsp {
         self.edges
             .get(first..first + face.edge_count as usize)
             .unwrap_or(&[])
+    }
+
+    /// The edges of a face in groups of four: all of them in trees that [`PhysicsBsp::any_face_near`] looks at.
+    #[inline(always)]
+    pub fn edge_quads(&self, face: &Face) -> &[EdgeQuad] {
+        let first = face.first_quad as usize;
+        let count = face.edge_count.div_ceil(4) as usize;
+        self.edge_quads.get(first..first + count).unwrap_or(&[])
     }
 
     /// Whether a sphere certainly overlaps no polygon, by the tolerance of sphere tests: it lies in open space. A

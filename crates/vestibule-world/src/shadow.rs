@@ -70,40 +70,34 @@ impl ReachQuad {
         quad
     }
 
-    /// Squared distances of a point from the centres.
+    /// How far two spheres of which `larger` is the larger radius may be shifted before one comes near each of the four
+    /// objects, metres; infinite where there are fewer.
     #[inline(always)]
-    fn squares(&self, p: Vec3) -> Lanes {
-        let square = |axis: usize, x: f32| {
-            let d = Lanes::splat(x) - self.center[axis];
-            d.times(d)
-        };
-        square(0, p.x) + square(1, p.y) + square(2, p.z)
-    }
-
-    /// How far spheres of which `larger` is the largest radius may be shifted before one comes near each of the four
-    /// objects, metres; infinite where there are fewer. `head` is the second centre, if there is one.
-    #[inline(always)]
-    pub fn distances(&self, foot: Vec3, head: Option<Vec3>, larger: f32) -> Lanes {
-        let mut squares = self.squares(foot);
-        if let Some(head) = head {
-            squares = self.squares(head).lesser(squares);
-        }
+    pub fn distances(&self, [a, b]: [Lanes; 2], larger: f32) -> Lanes {
+        let squares = self.squares(a).lesser(self.squares(b));
         let round = squares.sqrt() - (self.radius + self.stretch * larger);
         if Lanes::ZERO.less(round) == 0b1111 {
             return round;
         }
-        let mut square = self.from_boxes(foot);
-        if let Some(head) = head {
-            square = self.from_boxes(head).lesser(square);
-        }
+        let square = self.beyond_boxes(a).lesser(self.beyond_boxes(b));
         round.greater(square - Lanes::splat(larger))
+    }
+
+    /// Squared distances of a point from the centres.
+    #[inline(always)]
+    fn squares(&self, p: Lanes) -> Lanes {
+        let square = |axis: usize| {
+            let d = Lanes::splat(p.lane(axis)) - self.center[axis];
+            d.times(d)
+        };
+        square(0) + square(1) + square(2)
     }
 
     /// How far a point is from the boxes along the axis on which it is farthest.
     #[inline(always)]
-    fn from_boxes(&self, p: Vec3) -> Lanes {
-        let from = |axis: usize, x: f32| (Lanes::splat(x) - self.middle[axis]).abs() - self.half[axis];
-        from(0, p.x).greater(from(1, p.y)).greater(from(2, p.z))
+    fn beyond_boxes(&self, p: Lanes) -> Lanes {
+        let from = |axis: usize| (Lanes::splat(p.lane(axis)) - self.middle[axis]).abs() - self.half[axis];
+        from(0).greater(from(1)).greater(from(2))
     }
 }
 
@@ -117,15 +111,6 @@ pub struct StaticReach {
     pub stretch: f32,
     /// A sphere that does not reach into this box does not touch the object.
     pub bounds: BoundingBox,
-}
-
-impl StaticReach {
-    /// How far spheres of which `larger` is the largest radius may be shifted before one comes near the object, metres.
-    pub fn distance(&self, [foot, head]: [Vec3; 2], larger: f32) -> f32 {
-        ReachQuad::new(core::slice::from_ref(self))
-            .distances(foot, Some(head), larger)
-            .lane(0)
-    }
 }
 
 impl ShadowLists {
@@ -157,13 +142,13 @@ impl ShadowLists {
         self.land_cells
     }
 
-    /// How far spheres of which `larger` is the largest radius may be shifted before one comes near a static object of
-    /// a cell, metres; see [`StaticReach`]. `head` is the second centre, if there is one.
+    /// How far two spheres of which `larger` is the larger radius may be shifted before one comes near a static object
+    /// of a cell, metres; see [`StaticReach`].
     #[inline(always)]
-    pub fn distance(&self, cell: CellId, foot: Vec3, head: Option<Vec3>, larger: f32) -> f32 {
+    pub fn distance(&self, cell: CellId, spheres: [Lanes; 2], larger: f32) -> f32 {
         let mut least = Lanes::splat(f32::INFINITY);
         for quad in self.quads(cell) {
-            least = quad.distances(foot, head, larger).lesser(least);
+            least = quad.distances(spheres, larger).lesser(least);
         }
         least.least()
     }
@@ -493,13 +478,34 @@ mod tests {
             quads: reaches.chunks(4).map(ReachQuad::new).collect(),
             ..ShadowLists::default()
         };
-        let (cell, foot) = (CellId(0xA9B4_0001), Vec3::ZERO);
-        let at = |head| lists.distance(cell, foot, head, 0.4);
-        assert!((at(None) - (13.0f32.sqrt() - 0.5 - 0.6)).abs() < 1e-5);
-        assert!((at(Some(Vec3::new(0.0, 0.0, 2.0))) - (3.0 - 0.5 - 0.6)).abs() < 1e-5);
-        assert_eq!(
-            lists.distance(CellId(0xA9B4_0002), foot, None, 0.4),
-            f32::INFINITY
-        );
+        let (cell, foot) = (CellId(0xA9B4_0001), Lanes::ZERO);
+        let at = |head| lists.distance(cell, [foot, head], 0.4);
+        assert!((at(foot) - (13.0f32.sqrt() - 0.5 - 0.6)).abs() < 1e-5);
+        assert!((at(Vec3::new(0.0, 0.0, 2.0).into()) - (3.0 - 0.5 - 0.6)).abs() < 1e-5);
+        assert_eq!(lists.distance(CellId(0xA9B4_0002), [foot; 2], 0.4), f32::INFINITY);
+    }
+
+    #[test]
+    fn near_the_sphere_around_an_object_its_box_counts() {
+        let table = StaticReach {
+            sphere: Sphere::new(Vec3::new(0.0, 0.0, 0.4), 1.5),
+            stretch: 1.0,
+            bounds: BoundingBox {
+                min: Vec3::new(-1.4, -0.5, 0.0),
+                max: Vec3::new(1.4, 0.5, 0.8),
+            },
+        };
+        let at = |x: f32, y: f32| {
+            let p = Lanes::from(Vec3::new(x, y, 0.48));
+            ReachQuad::new(&[table]).distances([p; 2], 0.48).lane(0)
+        };
+        assert!((at(0.0, 1.2) - 0.22).abs() < 1e-5 && at(0.0, 0.9) < 0.0);
+        // Without a box there is only the sphere.
+        let endless = StaticReach {
+            bounds: ENDLESS,
+            ..table
+        };
+        let p = Lanes::from(Vec3::new(0.0, 1.2, 0.48));
+        assert!(ReachQuad::new(&[endless]).distances([p; 2], 0.48).lane(0) < 0.0);
     }
 }
