@@ -106,7 +106,7 @@ impl PlainStep<'_> {
             rest.shift(down(h));
             rest.shift(down(lift));
             // All at once: each branch costs more.
-            let found = (a < -EPSILON) & (interp < 1.0) & (interp >= SHAPE_INTERP_LIMIT);
+            let found = (a < -EPSILON) & (SHAPE_INTERP_LIMIT..1.0).contains(&interp);
             return (found & (above(z - lift) >= -EPSILON) & is_walkable_z(n_z)).then_some(rest);
         }
         if !(a >= -EPSILON) {

@@ -47,7 +47,7 @@ impl OpenGround {
         let Some(squares) = self.squares.get(index as usize) else {
             return false;
         };
-        let at = cell.from_corner(foot);
+        let at = cell.in_square(foot);
         let square = |k: usize| (at.lane(k) / LENGTH) as u32 & (SIDE as u32 - 1);
         usual && squares >> (SIDE as u32 * square(0) + square(1)) & 1 != 0
     }

@@ -79,7 +79,7 @@ impl ReachQuad {
         if Lanes::ZERO.less(round) == 0b1111 {
             return round;
         }
-        let square = self.from_boxes(a).lesser(self.from_boxes(b));
+        let square = self.beyond_boxes(a).lesser(self.beyond_boxes(b));
         round.greater(square - Lanes::splat(larger))
     }
 
@@ -95,7 +95,7 @@ impl ReachQuad {
 
     /// How far a point is from the boxes along the axis on which it is farthest.
     #[inline(always)]
-    fn from_boxes(&self, p: Lanes) -> Lanes {
+    fn beyond_boxes(&self, p: Lanes) -> Lanes {
         let from = |axis: usize| (Lanes::splat(p.lane(axis)) - self.middle[axis]).abs() - self.half[axis];
         from(0).greater(from(1)).greater(from(2))
     }

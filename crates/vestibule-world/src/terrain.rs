@@ -147,7 +147,7 @@ impl LandCell {
 
     /// A point from the south-west corner of the cell, metres; of the lanes the first two.
     #[inline(always)]
-    pub(crate) fn from_corner(&self, p: Lanes) -> Lanes {
+    pub(crate) fn in_square(&self, p: Lanes) -> Lanes {
         p - self.middle + Lanes::splat(SQUARE_LENGTH / 2.0)
     }
 
@@ -164,10 +164,10 @@ impl LandCell {
             return None;
         }
         let (crossed, negative) = (Lanes::ZERO.less(rims), from.less(Lanes::ZERO));
-        let side = |bit: u32| {
-            (crossed & bit != 0)
-                .then_some(if negative & bit != 0 { -1 } else { 1 })
-                .unwrap_or(0)
+        let side = |bit: u32| match (crossed & bit != 0, negative & bit != 0) {
+            (false, _) => 0,
+            (true, false) => 1,
+            (true, true) => -1,
         };
         Some([side(1), side(2)])
     }
