@@ -124,14 +124,47 @@ fn over(frame: &Frame, face: &Face) -> Option<LaneBox> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Sphere;
+    use crate::physics_bsp::{Child, PhysicsBsp, PhysicsLeaf};
+    use crate::polygon::PolygonSet;
     use glam::Quat;
+
+    /// About z by an angle, radians.
+    fn turn(by: f32) -> Quat {
+        Quat::from_xyzw(0.0, 0.0, libm::sinf(by / 2.0), libm::cosf(by / 2.0))
+    }
+
+    #[test]
+    fn what_is_over_a_turned_floor_is_inside_its_edges() {
+        let mut set = PolygonSet::default();
+        let square = [(-4.0, -4.0), (4.0, -4.0), (4.0, 4.0), (-4.0, 4.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
+        assert!(set.push(0, false, &square));
+        let leaf = PhysicsLeaf {
+            solid: false,
+            sphere: Sphere::new(Vec3::ZERO, 9.0),
+            first: 0,
+            count: 1,
+        };
+        let bsp = PhysicsBsp::new(Child::leaf(0), vec![], vec![leaf], &[0], set);
+        for degrees in 0..90 {
+            let frame = Frame::new(Vec3::new(100.0, 50.0, 7.0), turn((degrees as f32).to_radians()));
+            let found = over(&frame, &bsp.faces()[0]).unwrap();
+            assert!(found.holds(Vec3::new(100.0, 50.0, -3.0).into()));
+            for x in -60..60 {
+                for y in -60..60 {
+                    let p = Vec3::new(100.0 + x as f32 * 0.1, 50.0 + y as f32 * 0.1, 9.0);
+                    let local = frame.global_to_local(p);
+                    let inside = local.x.abs() < 4.0 && local.y.abs() < 4.0;
+                    assert!(inside || !found.holds(p.into()), "{degrees} {p}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn a_shift_along_z_has_the_bits_of_a_turn() {
         for i in 0..360 {
-            let half = i as f32 * 0.008_726_646;
-            let turn = Quat::from_xyzw(0.0, 0.0, libm::sinf(half), libm::cosf(half));
-            let frame = Frame::new(Vec3::new(3.0, -0.0, 0.0), turn);
+            let frame = Frame::new(Vec3::new(3.0, -0.0, 0.0), turn((i as f32).to_radians()));
             let [x, y, z] = frame.axes().map(Lanes::from);
             let floor = LevelFloor {
                 nothing: x * 0.0 + y * 0.0,
