@@ -74,8 +74,10 @@ impl<'w> Transition<'w, '_> {
         }
         // One is for the own cell, one for the others.
         let slot = usize::from(cell != self.path.check_pos.cell);
-        if !self.near_statics[slot].holds(cell, self.path.global_sphere[0]) {
-            self.near_statics[slot] = self.look_for_statics(cell, block)?;
+        if !self.near_statics[slot].holds(cell, self.path.global_sphere[0])
+            && !self.look_for_statics(cell, block, slot)
+        {
+            return None;
         }
         Some(self.near_statics[slot].objects)
     }
@@ -86,12 +88,13 @@ impl<'w> Transition<'w, '_> {
         self.keeps_shape && cell.block() == self.path.check_pos.cell.block() && !self.world.settings().exact
     }
 
+    /// Fills a slot; `false` when that is not to be.
     #[inline(never)]
-    fn look_for_statics(&self, cell: CellId, block: &'w Landblock) -> Option<NearStatics<'w>> {
+    fn look_for_statics(&mut self, cell: CellId, block: &'w Landblock, slot: usize) -> bool {
         /// Objects nearer than this may be in reach after a small shift, metres.
         const MARGIN: f32 = 0.25;
         if !self.may_remember(cell) {
-            return None;
+            return false;
         }
         let lists = self.world.shadow_lists(block);
         let (path, shape) = (&self.path, self.path.shape());
@@ -106,18 +109,22 @@ impl<'w> Transition<'w, '_> {
                 near &= near - 1;
                 distances.set_lane(k, f32::INFINITY);
                 if let Some(object) = four.get(k).and_then(|&r| self.world.static_object(r)) {
-                    *objects.get_mut(count)? = Some(object);
+                    let Some(next) = objects.get_mut(count) else {
+                        return false;
+                    };
+                    *next = Some(object);
                     count += 1;
                 }
             }
             least = distances.lesser(least);
         }
         let least = least.least();
-        Some(NearStatics {
+        self.near_statics[slot] = NearStatics {
             cell,
             foot: path.global_sphere[0],
             reach: least * least,
             objects,
-        })
+        };
+        true
     }
 }

@@ -24,6 +24,7 @@ use crate::plain_walls::{Known, Slide};
 use crate::polygon;
 use crate::population::Population;
 use crate::sphere_path::Arms;
+use crate::statics_around::distance_to_statics;
 use crate::sweep::{Carried, ContactPlane, Mover, Scratch, Swept};
 
 /// The floor of a cell that the foot sphere is lifted onto in a step down by `h`, level enough by `z` (6.11.1).
@@ -264,10 +265,19 @@ pub(crate) fn plain_step(
     }
     let cell = block.env_cell(from.cell)?;
     if cell.hints.are_calm(pose.spheres) {
-        let objects = match has_objects(world, population, block, mover, cell.id) {
-            true => step().call_objects_around(cell.id, &pose, false)?,
-            false => f32::INFINITY,
+        if population.has_bodies() && !population.is_alone_in(cell.id, mover.body) {
+            return None;
+        }
+        let lists = world.shadow_lists(block);
+        let quads = lists.quads(cell.id);
+        let distance = |pose: &Candidate| match quads.is_empty() {
+            true => f32::INFINITY,
+            false => distance_to_statics(quads, pose.spheres, shape.larger_radius()),
         };
+        let mut objects = distance(&pose);
+        if !(objects > 0.0) {
+            objects = step().look_at_statics(lists, cell.id, pose, false)?;
+        }
         // Touching nothing but the floor: the usual way.
         let h = search_depth(mover, shape.two);
         let mut lowered = pose;
@@ -276,7 +286,8 @@ pub(crate) fn plain_step(
         if let Some(floor) = find_open_floor(cell, &shape, &mut lowered, h, FLOOR_Z, supported)
             && cell.hints.are_calm(lowered.spheres)
             && (lowered.is_within(pose.spheres[0], objects)
-                || step().call_objects_around(cell.id, &lowered, true).is_some())
+                || distance(&lowered) > 0.0
+                || step().look_at_statics(lists, cell.id, lowered, true).is_some())
         {
             scratch.cell_array.start(cell.id, true);
             return end_at(from, cell.id, &lowered, floor, false, None);
@@ -329,7 +340,7 @@ impl PlainStep<'_> {
         }
         let own = self.candidate.clearance(&self.shape, cell);
         if own < 0.0 {
-            return self.call_beside_walls(cell, known, array);
+            return self.beside_walls(cell, known, array);
         }
         let mut beside = f32::INFINITY;
         let mut objects = self.objects_around(cell.id, &self.candidate, false)?;
@@ -340,7 +351,7 @@ impl PlainStep<'_> {
             }
             let c = self.candidate.clearance(&self.shape, other);
             if c < 0.0 {
-                return self.call_beside_walls(cell, known, array);
+                return self.beside_walls(cell, known, array);
             }
             beside = if c < beside { c } else { beside };
             let d = self.objects_around(other.id, &self.candidate, false)?;
@@ -370,19 +381,6 @@ impl PlainStep<'_> {
             self.objects_around(other.id, &self.candidate, false)?;
         }
         self.come_to_rest(entered, &self.candidate, [0.0; 2], &mut known, array, None)
-    }
-
-    #[inline(always)]
-    fn call_beside_walls(
-        &self,
-        cell: &EnvCell,
-        known: &mut Known,
-        array: &mut CellArray,
-    ) -> Option<PlainEnd> {
-        let (step, mut now) = (*self, *known);
-        let end = step.beside_walls(cell, &mut now, array);
-        *known = now;
-        end
     }
 
     /// As [`PlainStep::in_certain_rooms`], not clear of walls.
@@ -454,11 +452,6 @@ impl PlainStep<'_> {
         certain_rooms(self.block, cell, pose.spheres, array)
     }
 
-    #[inline(never)]
-    fn call_objects_around(&self, cell: CellId, pose: &Candidate, placing: bool) -> Option<f32> {
-        self.objects_around(cell, pose, placing)
-    }
-
     /// See [`search_depth`].
     #[inline(always)]
     pub(crate) fn search_depth(&self) -> f32 {
@@ -500,17 +493,4 @@ pub(crate) fn end_at(
         hit,
         stopped: false,
     })
-}
-
-/// Whether some object besides the mover itself reaches a cell.
-#[inline(always)]
-fn has_objects(
-    world: &World,
-    population: &Population,
-    block: &Landblock,
-    mover: &Mover,
-    cell: CellId,
-) -> bool {
-    (population.has_bodies() && !population.is_alone_in(cell, mover.body))
-        || !world.shadow_lists(block).is_empty_in(cell)
 }

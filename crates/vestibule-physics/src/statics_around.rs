@@ -24,11 +24,11 @@ impl PlainStep<'_> {
             return None;
         }
         let lists = self.world.shadow_lists(self.block);
-        if lists.is_empty_in(cell) {
+        let quads = lists.quads(cell);
+        if quads.is_empty() {
             return Some(f32::INFINITY);
         }
-        let (spheres, larger) = (pose.spheres, self.shape.larger_radius());
-        let distance = distance_to_statics(lists.quads(cell), spheres, larger);
+        let distance = distance_to_statics(quads, pose.spheres, self.shape.larger_radius());
         if distance > 0.0 {
             return Some(distance);
         }
@@ -37,7 +37,7 @@ impl PlainStep<'_> {
 
     /// As [`PlainStep::objects_around`] where some static object may be in reach: looking at it closely.
     #[inline(never)]
-    fn look_at_statics(
+    pub(crate) fn look_at_statics(
         &self,
         lists: &ShadowLists,
         cell: CellId,
@@ -69,7 +69,7 @@ impl PlainStep<'_> {
 
 /// How far spheres may be shifted before one comes near a static object, metres.
 #[inline(never)]
-fn distance_to_statics(quads: &[ReachQuad], spheres: [Lanes; 2], larger: f32) -> f32 {
+pub(crate) fn distance_to_statics(quads: &[ReachQuad], spheres: [Lanes; 2], larger: f32) -> f32 {
     let mut least = Lanes::splat(f32::INFINITY);
     for quad in quads {
         least = quad.distances(spheres, larger).lesser(least);

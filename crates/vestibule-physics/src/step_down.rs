@@ -62,13 +62,13 @@ impl<'w> Transition<'w, '_> {
             self.build_cell_array(true);
             return true;
         }
-        self.step_down_lifted(lift, h, z)
+        self.step_down_lifted(lift.as_ref(), h, z)
     }
 
     /// As [`Transition::step_down`], leaving the polygon stood on to be read.
     pub(crate) fn step_down_onto_walkable(&mut self, h: f32, z: f32) -> bool {
         let lift = self.lift_from_below(h, z);
-        self.step_down_lifted(lift, h, z)
+        self.step_down_lifted(lift.as_ref(), h, z)
     }
 
     fn begin_step_down(&mut self, h: f32) {
@@ -81,10 +81,10 @@ impl<'w> Transition<'w, '_> {
     }
 
     /// What remains of a step down once it is known where the floor of the own room lifts the candidate, if it does.
-    fn step_down_lifted(&mut self, lift: Option<Lift<'w>>, h: f32, z: f32) -> bool {
+    fn step_down_lifted(&mut self, lift: Option<&Lift<'w>>, h: f32, z: f32) -> bool {
         self.begin_step_down(h);
         let mut adjusted = 0;
-        if let Some(lift) = &lift {
+        if let Some(lift) = lift {
             self.lift_onto(lift);
             adjusted = 1;
         }
@@ -170,9 +170,13 @@ impl<'w> Transition<'w, '_> {
 
     /// Whether a step down certainly ends where the floor lifts the candidate: on walkable ground, touching nothing
     /// else.
-    fn comes_to_rest_on(&self, lift: &Lift<'w>, z: f32) -> bool {
+    fn comes_to_rest_on(&mut self, lift: &Lift<'w>, z: f32) -> bool {
         let (cell, block, at) = (lift.cell, lift.block, lift.at.spheres[0]);
-        if lift.plane.z() < z || !self.built.holds(cell.id, at) {
+        let known = self.built.holds(cell.id, at);
+        if lift.plane.z() < z
+            || !(known || self.built.may_be_certain(cell.id, at))
+            || !self.has_no_objects_near(cell.id, block, at)
+        {
             return false;
         }
         let shape = self.path.shape();
@@ -187,13 +191,18 @@ impl<'w> Transition<'w, '_> {
                 return false;
             }
         }
+        if !lift.at.rests_in(&shape, cell) {
+            return false;
+        }
+        // Having passed its own cell there, the candidate is held against the cells it reaches there in any case.
+        if !known && !self.know_cells_at(cell.id, &lift.at) {
+            return false;
+        }
         let others = self.other_rooms();
-        self.has_no_objects_near(cell.id, block, at)
+        lift.at.rests_beside(&shape, block, others)
             && others
                 .iter()
                 .all(|other| self.has_no_objects_near(other.id, block, at))
-            && lift.at.rests_in(&shape, cell)
-            && lift.at.rests_beside(&shape, block, others)
     }
 
     /// Whether a step up certainly finds no ground: the candidate reaches nothing but rooms, and no floor of any.

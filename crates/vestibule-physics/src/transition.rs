@@ -4,6 +4,7 @@ use glam::{Quat, Vec3};
 use vestibule_world::ids::block_offset;
 use vestibule_world::{CellArray, CellEntry, CellId, Lanes, World, certain_cells, find_cell_list};
 
+use crate::candidate::Candidate;
 use crate::collision_info::CollisionInfo;
 use crate::constants::{EPSILON, MOVE_ATTEMPTS};
 use crate::flags::ObjectState;
@@ -90,13 +91,14 @@ impl BuiltArray {
         }
     }
 
-    /// Whether nothing is likely to be certain around a candidate in the cell `seed` whose foot sphere is at `foot`.
+    /// Whether it makes sense to look for what is certain around a candidate in the cell `seed` whose foot sphere is at
+    /// `foot`.
     #[inline(always)]
-    fn is_likely_to_fail(&self, seed: CellId, foot: Lanes) -> bool {
+    pub(crate) fn may_be_certain(&self, seed: CellId, foot: Lanes) -> bool {
         /// Of shifts, squared: longer ones are those of steps up and down, metres.
         const FAR: f32 = 0.3 * 0.3;
         let shift = foot - self.centers[0];
-        self.failed_in == seed && shift.dot(shift) < FAR
+        self.failed_in != seed || !(shift.dot(shift) < FAR)
     }
 
     /// Whether the array is certainly right for a candidate in the cell `seed` whose foot sphere is at `foot`.
@@ -221,27 +223,22 @@ impl<'w> Transition<'w, '_> {
     /// An array that was built for the same candidate is the same again.
     #[inline(never)]
     fn build_any_cell_array(&mut self, want_cell: bool) {
-        let path = &self.path;
-        let seed = path.check_pos.cell;
-        let all = path.spheres();
-        let spheres = all.get(..path.num_sphere).unwrap_or(&all);
-        let centers = path.global_sphere;
+        let at = self.path.candidate();
+        let (seed, centers) = (self.path.check_pos.cell, at.spheres);
         let built = &self.built;
         let same = built.seed == seed && built.centers == centers && (built.want_cell || !want_cell);
         if same && !self.world.settings().exact {
             return;
         }
-        if self.keeps_shape && !built.is_likely_to_fail(seed, centers[0]) {
-            let distance = certain_cells(self.world, seed, spheres, self.cell_array);
-            self.built = BuiltArray::certain(seed, centers, distance, self.cell_array);
-            if distance > 0.0 {
-                return;
-            }
+        if self.keeps_shape && built.may_be_certain(seed, centers[0]) && self.know_cells_at(seed, &at) {
+            return;
         }
+        let spheres = at.spheres();
+        let spheres = spheres.get(..self.path.num_sphere).unwrap_or(&spheres);
         let found = find_cell_list(
             self.world,
             seed,
-            path.check_pos.origin(),
+            at.origin.xyz(),
             spheres,
             self.cell_array,
             want_cell,
@@ -256,6 +253,15 @@ impl<'w> Transition<'w, '_> {
             hits_interior: found.hits_interior,
             failed_in: seed,
         };
+    }
+
+    /// Builds the array of a pose of a mover that keeps its shape; `false` when it is not certain.
+    pub(crate) fn know_cells_at(&mut self, seed: CellId, at: &Candidate) -> bool {
+        let spheres = at.spheres();
+        let spheres = spheres.get(..self.path.num_sphere).unwrap_or(&spheres);
+        let distance = certain_cells(self.world, seed, spheres, self.cell_array);
+        self.built = BuiltArray::certain(seed, at.spheres, distance, self.cell_array);
+        distance > 0.0
     }
 
     /// Runs the sweep (3.3). `plan` comes from [`calc_num_steps`] and is not used by placements.

@@ -207,6 +207,10 @@ impl<'w> Transition<'w, '_> {
                 _ => {}
             }
         }
+        if new_cell.is_some() && new_cell == own && own == Some(self.path.check_pos.cell) {
+            self.path.check_cell = own_cell;
+            return TransitionState::Ok;
+        }
         self.path.check_cell = new_cell.and_then(|id| self.cell_ref(id));
         if let Some(id) = new_cell {
             self.path.adjust_check_pos(id);

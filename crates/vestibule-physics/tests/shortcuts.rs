@@ -58,7 +58,10 @@ impl Pair {
     }
 
     fn embedded() -> Self {
-        let compiled = vestibule_forge::embedded_world().unwrap();
+        Pair::compiled(&vestibule_forge::embedded_world().unwrap())
+    }
+
+    fn compiled(compiled: &vestibule_forge::CompiledWorld) -> Self {
         let open = |settings| World::with_settings(compiled.memory_records(), settings).unwrap();
         Pair::of(open(WorldSettings::default()), open(EXACT))
     }
@@ -268,6 +271,39 @@ fn shortcuts_change_nothing_in_the_embedded_world() {
     compare("embedded", &pair, 3000, Settings::default());
     // These draws come to where a step leads from certain surroundings to uncertain ones.
     compare_seeded("embedded", &pair, 3000, Settings::default(), 8);
+}
+
+/// Rooms at odd angles, tilted and turned over, with things to step onto and to run into.
+const TURNED: &str = r#"
+scene "Turned"
+material stone blocks color 148 142 132
+model slab { box (-1 -0.6 0) (1 0.6 0.25) stone }
+model step { box (-0.5 -0.5 0) (0.5 0.5 0.5) stone }
+model post { box (-0.2 -0.2 0) (0.2 0.2 2) stone; collide cylinder 0.2 2 }
+model globe { ball (0 0 0.4) 0.4 stone; collide sphere 0.4 0.4 }
+dungeon turned 0x0101 at (60 60 0) {
+    room hall turn 33 { box (0 0 0) (9 9 4); material stone }
+    room wing turn 33 { box (9 3 0) (17 6 3.5); material stone }
+    room north turn 90 at (-30 0 0) { box (0 0 0) (7 7 3); block { box (2 2 0) (4 4 0.4); material stone }; material stone }
+    room tilted at (30 0 0) tilt 6 { box (0 0 0) (8 8 4); material stone }
+    room rolled at (0 -30 0) roll 11 turn 20 { box (0 0 0) (8 8 4); material stone }
+    room over at (30 -30 4) roll 180 { box (0 0 0) (8 8 4); material stone }
+    opening hall wing
+    static slab in hall at (2 3 0) turn 10
+    static step in hall at (3.6 3.4 0) turn 45
+    static post in hall at (0 6 0)
+    static globe in wing at (7 9 0)
+    static slab in north at (-33 3 0)
+    static step in tilted at (34 3 0.4)
+    static globe in tilted at (33 6 0.6)
+}
+start in turned hall at (2 4 0)
+"#;
+
+#[test]
+fn shortcuts_change_nothing_in_rooms_at_odd_angles() {
+    let compiled = vestibule_forge::compile_scene("turned.scene", TURNED).unwrap();
+    compare("turned", &Pair::compiled(&compiled), 4000, Settings::default());
 }
 
 #[test]

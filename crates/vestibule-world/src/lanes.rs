@@ -142,16 +142,16 @@ impl Lanes {
         self.0.simd_lt(other.0).to_bitmask()
     }
 
-    /// Which lanes are equal to those of `other`, as numbers are, a bit each.
-    #[inline(always)]
-    pub fn equal(self, other: Lanes) -> u32 {
-        self.0.simd_eq(other.0).to_bitmask()
-    }
-
     /// Which lanes are not greater than those of `other`, a bit each.
     #[inline(always)]
     pub fn at_most(self, other: Lanes) -> u32 {
         self.0.simd_le(other.0).to_bitmask()
+    }
+
+    /// Which lanes are equal to those of `other`, as numbers are, a bit each.
+    #[inline(always)]
+    pub fn equal(self, other: Lanes) -> u32 {
+        self.0.simd_eq(other.0).to_bitmask()
     }
 
     /// Whether all four lanes are equal, as numbers are.

@@ -120,3 +120,28 @@ fn over(frame: &Frame, face: &Face) -> Option<LaneBox> {
         max: found.max.with_z(f32::INFINITY),
     }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Quat;
+
+    #[test]
+    fn a_shift_along_z_has_the_bits_of_a_turn() {
+        for i in 0..360 {
+            let half = i as f32 * 0.008_726_646;
+            let turn = Quat::from_xyzw(0.0, 0.0, libm::sinf(half), libm::cosf(half));
+            let frame = Frame::new(Vec3::new(3.0, -0.0, 0.0), turn);
+            let [x, y, z] = frame.axes().map(Lanes::from);
+            let floor = LevelFloor {
+                nothing: x * 0.0 + y * 0.0,
+                axis: z,
+                ..LevelFloor::default()
+            };
+            for shift in [0.005, -1.25, 0.0] {
+                let turned = frame.turned_out(Vec3::new(0.0, 0.0, shift).into());
+                assert!(floor.shift_by(shift).has_bits_of(turned), "{i} {shift}");
+            }
+        }
+    }
+}

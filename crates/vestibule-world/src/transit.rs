@@ -114,7 +114,14 @@ pub fn add_all_outside_cells(
         }
         return;
     }
-    for sphere in spheres {
+    for (i, sphere) in spheres.iter().enumerate() {
+        // Above or below another that is no smaller: it reaches no further cell.
+        let is_under = |s: &Sphere| {
+            s.center.x == sphere.center.x && s.center.y == sphere.center.y && s.radius >= sphere.radius
+        };
+        if spheres.iter().take(i).any(is_under) {
+            continue;
+        }
         let Some((id, q)) = seed.adjust_to_outside(sphere.center) else {
             return;
         };
