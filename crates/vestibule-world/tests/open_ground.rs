@@ -11,7 +11,7 @@ const TREE: CellId = CellId(0xA9B4_0013);
 const BARE: CellId = CellId(0xA9B4_0020);
 const WATCHED: CellId = CellId(0xA9B4_0040);
 /// Where the tree stands.
-const STEM: Vec2 = Vec2::new(60.0, 60.0);
+const STEM: Vec2 = Vec2::new(61.8, 60.0);
 
 /// A house with a wall that stands off it, a tree and a land cell that is watched over.
 fn world() -> World {
