@@ -3,6 +3,7 @@
 use glam::Vec3;
 use vestibule_world::{CellEntry, CellId, EnvCell, Frame, Landblock, Lanes, PhysicsBsp, ShadowLists, Sphere};
 
+use crate::bsp_solid;
 use crate::bsp_tree;
 
 /// The spheres of a mover, as it is turned.
@@ -98,7 +99,7 @@ impl Candidate {
             let least = if head < foot { head } else { foot };
             return if least > 0.0 { least } else { 0.0 };
         }
-        let [foot, head] = local.map(|s| bsp_tree::clearance(bsp, s));
+        let [foot, head] = local.map(|s| bsp_solid::clearance(bsp, s));
         let least = if head < foot { head } else { foot };
         // The frames of parts keep lengths but for rounding.
         least * 0.99
@@ -119,7 +120,7 @@ impl Candidate {
         !reached
             || local
                 .iter()
-                .all(|&s| !bsp_tree::sphere_intersects_solid(bsp, s, placing))
+                .all(|&s| !bsp_solid::sphere_intersects_solid(bsp, s, placing))
     }
 
     /// How far it may be shifted and neither a moving nor a placement insertion into the cell finds anything, metres.
@@ -183,7 +184,7 @@ fn clearance(shape: Shape, origin: Lanes, cell: &EnvCell) -> f32 {
     let Some(bsp) = &cell.structure.physics else {
         return f32::INFINITY;
     };
-    let clearance = |i| bsp_tree::clearance(bsp, local_sphere(origin, &shape, &cell.frame, i));
+    let clearance = |i| bsp_solid::clearance(bsp, local_sphere(origin, &shape, &cell.frame, i));
     let mut least = clearance(0);
     if shape.two && least >= 0.0 {
         let head = clearance(1);
@@ -202,7 +203,7 @@ fn touches_nothing_solid(shape: Shape, origin: Lanes, cell: &EnvCell) -> bool {
         return true;
     };
     let solid =
-        |i| bsp_tree::sphere_intersects_solid(bsp, local_sphere(origin, &shape, &cell.frame, i), true);
+        |i| bsp_solid::sphere_intersects_solid(bsp, local_sphere(origin, &shape, &cell.frame, i), true);
     !solid(0) && (!shape.two || !solid(1))
 }
 

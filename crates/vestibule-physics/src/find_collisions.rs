@@ -3,7 +3,8 @@
 
 use vestibule_world::{Face, Lanes, PhysicsBsp, Plane, Sphere};
 
-use crate::bsp_tree::{self, SolidPoly, WalkableSearch};
+use crate::bsp_solid::{self, SolidPoly};
+use crate::bsp_tree::{self, WalkableSearch};
 use crate::constants::{PLACEMENT_INSERT_BUDGET, Z_FOR_LANDING};
 use crate::flags::ObjectState;
 use crate::polygon::adjust_to_placement_poly;
@@ -17,8 +18,8 @@ impl<'w> Transition<'w, '_> {
         let foot = path.localspace_foot;
         if path.insert_type == InsertType::Placement || path.obstruction_ethereal {
             let center_check = !(path.bldg_check && path.hits_interior_cell);
-            let hit = bsp_tree::sphere_intersects_solid(bsp, foot, center_check)
-                || (two && bsp_tree::sphere_intersects_solid(bsp, path.localspace_head(), center_check));
+            let hit = bsp_solid::sphere_intersects_solid(bsp, foot, center_check)
+                || (two && bsp_solid::sphere_intersects_solid(bsp, path.localspace_head(), center_check));
             return if hit {
                 TransitionState::Collided
             } else {
@@ -229,7 +230,7 @@ impl<'w> Transition<'w, '_> {
         for round in 0..PLACEMENT_INSERT_BUDGET {
             found.center_solid = false;
             let solid = |s: &Sphere, found: &mut SolidPoly<'w>| {
-                bsp_tree::sphere_intersects_solid_poly(bsp, s, radius, found, check_center)
+                bsp_solid::sphere_intersects_solid_poly(bsp, s, radius, found, check_center)
             };
             let struck = if solid(&foot, &mut found) {
                 foot

@@ -54,6 +54,7 @@
 
 mod adjust_offset;
 mod body;
+mod bsp_solid;
 mod bsp_tree;
 mod candidate;
 mod collision_info;
@@ -102,7 +103,7 @@ mod worked_examples;
 pub mod workload;
 
 pub use body::{Body, root_motion};
-pub use bsp_tree::point_intersects_solid;
+pub use bsp_solid::point_intersects_solid;
 pub use error::SweepError;
 pub use flags::{ObjectKind, ObjectState, PhysicsState, SetPositionFlags, TransientState};
 pub use locomotion::{Locomotion, Motion};

@@ -118,7 +118,8 @@ fn rest_on_level_floor(
     let a = (s - radius) / -h;
     let walk_interp = 1.0 - a;
     let rested = z - -h * a;
-    if walk_interp >= 1.0 || walk_interp < POLYGON_INTERP_LIMIT || !(reach < (rested + level.d).abs()) {
+    let allowed = (POLYGON_INTERP_LIMIT..1.0).contains(&walk_interp);
+    if !allowed || !(reach < (rested + level.d).abs()) {
         return None;
     }
     lowered.shift(level.shift_by(rested - z));
@@ -323,7 +324,7 @@ impl PlainStep<'_> {
     fn in_rooms(&self, cell: &EnvCell, scratch: &mut Scratch, found: &mut Option<Known>) -> Option<PlainEnd> {
         let to_cells = self.certain_rooms(cell, &self.candidate, &mut scratch.cell_array);
         if !(to_cells > 0.0) {
-            return self.into_another_room(cell, &mut scratch.cell_array, found);
+            return self.cross_into_a_room(cell, &mut scratch.cell_array, found);
         }
         let mut known = Known::cells(&self.candidate, to_cells);
         let end = self.in_certain_rooms(cell, &mut known, &mut scratch.cell_array);
@@ -363,7 +364,7 @@ impl PlainStep<'_> {
 
     /// The candidate's foot is in another room, and neither it nor its head is in anybody's way.
     #[inline(never)]
-    fn into_another_room(
+    fn cross_into_a_room(
         &self,
         cell: &EnvCell,
         array: &mut CellArray,
