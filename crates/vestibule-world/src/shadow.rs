@@ -154,7 +154,7 @@ impl ShadowLists {
     }
 
     /// How far the objects of [`ShadowLists::of`] reach, four at a time.
-    #[inline]
+    #[inline(always)]
     pub fn quads(&self, cell: CellId) -> &[ReachQuad] {
         self.quads.get(range_of(&self.quad_starts, cell)).unwrap_or(&[])
     }
@@ -403,7 +403,7 @@ impl Reach {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn range_of(starts: &[u32], cell: CellId) -> core::ops::Range<usize> {
     let Some(slot) = slot(cell) else { return 0..0 };
     match (starts.get(slot), starts.get(slot + 1)) {
@@ -413,7 +413,7 @@ fn range_of(starts: &[u32], cell: CellId) -> core::ops::Range<usize> {
 }
 
 /// Position of a cell in the lists of its block.
-#[inline]
+#[inline(always)]
 fn slot(cell: CellId) -> Option<usize> {
     if cell.is_land_cell() {
         Some(usize::from(cell.low()) - 1)
