@@ -366,7 +366,7 @@ fn sweep_any(
             limit,
         });
     }
-    let mut transition = begin_with(
+    let mut transition = begin(
         world,
         population,
         scratch,
@@ -374,8 +374,8 @@ fn sweep_any(
         carried,
         from,
         InsertType::Transition,
-        start.built,
     );
+    transition.built = start.built;
     let ok = transition.find_valid_position(plan);
     transition.outcome(ok, &to.frame)
 }
@@ -468,23 +468,6 @@ pub(crate) fn begin<'w, 's>(
     at: &Position,
     insert_type: InsertType,
 ) -> Transition<'w, 's> {
-    let built = BuiltArray::NONE;
-    begin_with(world, population, scratch, mover, carried, at, insert_type, built)
-}
-
-/// As [`begin`], with what is known of the cells around the first candidate.
-#[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "those of a sweep")]
-fn begin_with<'w, 's>(
-    world: &'w World,
-    population: &'w Population,
-    scratch: &'s mut Scratch,
-    mover: &Mover,
-    carried: &Carried,
-    at: &Position,
-    insert_type: InsertType,
-    built: BuiltArray,
-) -> Transition<'w, 's> {
     let mut object = mover.object_info();
     let mut info = CollisionInfo {
         frames_stationary_fall: carried.stationary,
@@ -509,7 +492,7 @@ fn begin_with<'w, 's>(
         path: SpherePath::new(usize::from(mover.count), &mover.spheres, cell, at, insert_type),
         info,
         cell_array: &mut scratch.cell_array,
-        built,
+        built: BuiltArray::NONE,
         keeps_shape: true,
         near_statics: [NearStatics::NONE; 2],
         touched: &mut scratch.touched,
