@@ -241,3 +241,53 @@ fn solid_poly<'b>(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vestibule_world::{PhysicsLeaf, PhysicsNode, Plane, PolygonSet};
+
+    /// Solid where x is below zero, with a wall of 20 m in between.
+    fn half_space() -> PhysicsBsp {
+        let mut set = PolygonSet::default();
+        let wall = [(-10.0, -10.0), (10.0, -10.0), (10.0, 10.0), (-10.0, 10.0)];
+        assert!(set.push(0, false, &wall.map(|(y, z)| Vec3::new(0.0, y, z))));
+        let sphere = Sphere::new(Vec3::ZERO, 100.0);
+        let leaf = |solid, count| PhysicsLeaf {
+            solid,
+            sphere,
+            first: 0,
+            count,
+        };
+        let node = PhysicsNode {
+            plane: Plane {
+                normal: Vec3::X,
+                d: 0.0,
+            },
+            sphere: Some(sphere),
+            positive: Child::leaf(0),
+            negative: Child::leaf(1),
+        };
+        PhysicsBsp::new(
+            Child::node(0),
+            vec![node],
+            vec![leaf(false, 0), leaf(true, 1)],
+            &[0],
+            set,
+        )
+    }
+
+    #[test]
+    fn s6_3_2_nothing_is_clear_in_what_is_solid() {
+        let bsp = half_space();
+        let at = |x: f32| Lanes::new(Vec3::new(x, 0.0, 0.0), 0.48);
+        let clear = |x: f32| clearance(&bsp, at(x));
+        assert!(clear(2.0) > 0.0 && clear(0.6) > 0.0 && clear(0.3) < 0.0 && clear(-0.3) < 0.0);
+        // It overlaps no polygon there, but a placement asks for the centre too.
+        assert_eq!(clear(-2.0), 0.0);
+        assert!(
+            sphere_intersects_solid(&bsp, at(-2.0), true) && !sphere_intersects_solid(&bsp, at(-2.0), false)
+        );
+        assert!(!sphere_intersects_solid(&bsp, at(2.0), true));
+    }
+}

@@ -6,10 +6,12 @@ mod common;
 use common::*;
 use glam::{Quat, Vec3};
 use vestibule_dat::DatSet;
+use vestibule_dat::record::EnvCell;
 use vestibule_physics::{
-    Body, Carried, Mover, ObjectState, PhysicsState, Placement, Population, Scratch, Settings, sweep,
+    Body, BodyId, Carried, ContactPlane, EntryRestrictions, Mover, ObjectKind, ObjectState, PhysicsState,
+    Placement, Population, Scratch, Settings, sweep,
 };
-use vestibule_world::{BlockId, CellId, Position, Sphere, World, WorldSettings};
+use vestibule_world::{BlockId, CellId, Plane, Position, Sphere, Store, World, WorldSettings};
 
 const EXACT: WorldSettings = WorldSettings {
     offset_building_transit: false,
@@ -304,6 +306,84 @@ start in turned hall at (2 4 0)
 fn shortcuts_change_nothing_in_rooms_at_odd_angles() {
     let compiled = vestibule_forge::compile_scene("turned.scene", TURNED).unwrap();
     compare("turned", &Pair::compiled(&compiled), 4000, Settings::default());
+}
+
+/// Keeps everybody out of what is watched over.
+#[derive(Debug)]
+struct Nobody;
+
+impl EntryRestrictions for Nobody {
+    fn may_enter(&self, _: Option<BodyId>, _: CellId, _: u32) -> bool {
+        false
+    }
+}
+
+#[test]
+fn shortcuts_keep_players_out_of_rooms_that_are_watched_over() {
+    let text = r#"
+scene "Watched"
+material stone blocks color 148 142 132
+dungeon watched 0x0101 at (60 60 0) {
+    room hall { box (0 0 0) (9 9 4); material stone }
+    room wing { box (9 3 0) (17 6 4); material stone }
+    opening hall wing
+}
+start in watched hall at (2 4 0)
+"#;
+    let compiled = vestibule_forge::compile_scene("watched.scene", text).unwrap();
+    let mut records = compiled.memory_records();
+    let rooms: Vec<(u32, Vec<u8>)> = records
+        .iter()
+        .filter(|&(store, id, _)| store == Store::Cell && (0x100..0xFFFE).contains(&(id & 0xFFFF)))
+        .map(|(_, id, bytes)| (id, bytes.to_vec()))
+        .collect();
+    for (id, bytes) in &rooms {
+        let mut room = EnvCell::parse(*id, bytes).unwrap();
+        room.flags |= EnvCell::HAS_RESTRICTION;
+        room.restriction = Some(7);
+        records.insert(Store::Cell, *id, room.encode().unwrap());
+    }
+    let open = |settings| World::with_settings(records.clone(), settings).unwrap();
+    let (quick, exact) = (open(WorldSettings::default()), open(EXACT));
+    let mut population = Population::new();
+    population.set_restrictions(Some(std::sync::Arc::new(Nobody)));
+    let (mut a, mut b) = (Scratch::new(), Scratch::new());
+    let mut draws = Draws(0x9E37_79B9_7F4A_7C15);
+    let mut moved = 0;
+    for i in 0..400 {
+        // On the floor of the hall, out of everybody's way.
+        let room = quick.env_cell(CellId(rooms[0].0)).unwrap();
+        let bounds = room.structure.bounds.unwrap();
+        let middle = (bounds.min + bounds.max) * 0.5;
+        let at = middle.with_z(bounds.min.z + 0.005) + Vec3::new(draws.signed(), draws.signed(), 0.0);
+        let at = Position::new(room.id, room.frame.local_to_global(at));
+        let carried = Carried {
+            contact: Some(ContactPlane {
+                plane: Plane {
+                    normal: Vec3::Z,
+                    d: 0.005 - at.origin().z,
+                },
+                cell: at.cell,
+                is_water: false,
+            }),
+            on_walkable: true,
+            ..Carried::default()
+        };
+        let mut to = at;
+        to.frame.origin += Vec3::new(draws.signed(), draws.signed(), 0.0) * 0.2;
+        let mut mover = Mover::player();
+        let is_player = i % 2 == 0;
+        if is_player {
+            mover.kind = ObjectKind::PLAYER;
+        }
+        let swept = sweep(&quick, &population, &mut a, &mover, &carried, &at, &to).unwrap();
+        let by_rules = sweep(&exact, &population, &mut b, &mover, &carried, &at, &to).unwrap();
+        assert_eq!(format!("{swept:?}"), format!("{by_rules:?}"), "{at:?} to {to:?}");
+        let stays = swept.position.origin() == at.origin();
+        assert!(stays || !is_player, "{at:?} to {to:?}");
+        moved += u32::from(!stays);
+    }
+    assert!(moved > 100, "{moved}");
 }
 
 #[test]
