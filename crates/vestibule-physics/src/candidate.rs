@@ -1,7 +1,7 @@
 //! A candidate pose of the usual steps: a mover's spheres, four lanes each, and what can be said of them cheaply.
 
 use glam::Vec3;
-use vestibule_world::{CellEntry, CellId, EnvCell, Frame, Landblock, Lanes, PhysicsBsp, ShadowLists, Sphere};
+use vestibule_world::{CellEntry, EnvCell, Frame, Landblock, Lanes, PhysicsBsp, Sphere};
 
 use crate::bsp_solid;
 use crate::bsp_tree;
@@ -211,12 +211,6 @@ fn touches_nothing_solid(shape: Shape, origin: Lanes, cell: &EnvCell) -> bool {
 #[inline(always)]
 pub(crate) fn down(h: f32) -> Lanes {
     Lanes::from(Vec3::new(0.0, 0.0, -h))
-}
-
-/// How far a candidate may be shifted before one of its spheres comes near a static object of a cell, metres.
-#[inline(always)]
-pub(crate) fn distance_to_statics(lists: &ShadowLists, cell: CellId, shape: &Shape, pose: &Candidate) -> f32 {
-    lists.distance(cell, pose.spheres, shape.larger_radius())
 }
 
 /// How far two spheres are from touching, metres.

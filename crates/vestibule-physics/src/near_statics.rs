@@ -3,7 +3,7 @@
 
 use vestibule_world::{CellId, Landblock, Lanes, StaticObject};
 
-use crate::candidate::distance_to_statics;
+use crate::statics_around::distance_to_statics;
 use crate::transition::Transition;
 
 /// The static objects of a cell in reach of a mover.
@@ -61,7 +61,8 @@ impl<'w> Transition<'w, '_> {
         self.has_no_objects_near(cell, block, self.path.global_sphere[0])
             || (self.is_alone_in(cell) && self.may_remember(cell) && {
                 let (shape, at) = (self.path.shape(), self.path.candidate());
-                distance_to_statics(self.world.shadow_lists(block), cell, &shape, &at) > 0.0
+                let quads = self.world.shadow_lists(block).quads(cell);
+                distance_to_statics(quads, at.spheres, shape.larger_radius()) > 0.0
             })
     }
 

@@ -65,10 +65,7 @@ pub(crate) fn find_open_floor(
     let frame = &cell.frame;
     let (bsp, floor, local) = search_below(cell, shape, lowered, h, z)?;
     let face = floor.face;
-    let plane = match cell.hints.only_floor() {
-        Some(plane) if floor.only => plane,
-        _ => cell.frame.plane_out(&face.plane),
-    };
+    let plane = plane_of(cell, &floor);
     if plane.z() < z {
         return None;
     }
@@ -82,6 +79,15 @@ pub(crate) fn find_open_floor(
         }
     }
     Some(plane)
+}
+
+/// The plane of a floor of a cell, in the frame of the landblock.
+#[inline(always)]
+pub(crate) fn plane_of(cell: &EnvCell, floor: &Floor<'_>) -> Lanes {
+    match cell.hints.only_floor() {
+        Some(plane) if floor.only => plane,
+        _ => cell.frame.plane_out(&floor.face.plane),
+    }
 }
 
 /// Whether some floor of a room supports a candidate once it is lowered by `h` (5.9). This is asked of the room before

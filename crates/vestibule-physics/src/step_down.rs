@@ -9,7 +9,7 @@ use crate::constants::{
     DEFAULT_STEP_HEIGHT, FLOOR_Z, MAX_INSERTION_DEPTH, STEP_DOWN_ATTEMPTS, Z_FOR_LANDING,
 };
 use crate::flags::ObjectState;
-use crate::plain_step::search_below;
+use crate::plain_step::{plane_of, search_below};
 use crate::polygon;
 use crate::sphere_path::{CellRef, LocalSpace, Walkable};
 use crate::transition::{InsertType, Transition, TransitionState};
@@ -132,10 +132,7 @@ impl<'w> Transition<'w, '_> {
             at.shift(down(h));
         }
         let (bsp, floor, local) = search_below(cell, &shape, &at, h, z)?;
-        let plane = match cell.hints.only_floor() {
-            Some(plane) if floor.only => plane,
-            _ => cell.frame.plane_out(&floor.face.plane),
-        };
+        let plane = plane_of(cell, &floor);
         let offset = cell.frame.turned_out(floor.sphere - local);
         at.shift(offset);
         Some(Lift {

@@ -142,17 +142,6 @@ impl ShadowLists {
         self.land_cells
     }
 
-    /// How far two spheres of which `larger` is the larger radius may be shifted before one comes near a static object
-    /// of a cell, metres; see [`StaticReach`].
-    #[inline(always)]
-    pub fn distance(&self, cell: CellId, spheres: [Lanes; 2], larger: f32) -> f32 {
-        let mut least = Lanes::splat(f32::INFINITY);
-        for quad in self.quads(cell) {
-            least = quad.distances(spheres, larger).lesser(least);
-        }
-        least.least()
-    }
-
     /// How far the objects of [`ShadowLists::of`] reach, four at a time.
     #[inline(always)]
     pub fn quads(&self, cell: CellId) -> &[ReachQuad] {
@@ -479,10 +468,15 @@ mod tests {
             ..ShadowLists::default()
         };
         let (cell, foot) = (CellId(0xA9B4_0001), Lanes::ZERO);
-        let at = |head| lists.distance(cell, [foot, head], 0.4);
+        let distance = |cell, spheres| {
+            let quads = lists.quads(cell).iter();
+            let least = quads.map(|quad| quad.distances(spheres, 0.4).least());
+            least.fold(f32::INFINITY, |a, b| if b < a { b } else { a })
+        };
+        let at = |head| distance(cell, [foot, head]);
         assert!((at(foot) - (13.0f32.sqrt() - 0.5 - 0.6)).abs() < 1e-5);
         assert!((at(Vec3::new(0.0, 0.0, 2.0).into()) - (3.0 - 0.5 - 0.6)).abs() < 1e-5);
-        assert_eq!(lists.distance(CellId(0xA9B4_0002), [foot; 2], 0.4), f32::INFINITY);
+        assert_eq!(distance(CellId(0xA9B4_0002), [foot; 2]), f32::INFINITY);
     }
 
     #[test]
